@@ -144,6 +144,10 @@ class Loads:
         if self._rigid_dofs is not None:
             f[self._rigid_dofs()] = 0.0
 
+    def per_mass(self, state: Any) -> Array | None:
+        """Return the force per mass (d, N) of loads on particles now, None without any. The next call overwrites it."""
+        return self.on_particles.accelerations(state.time, state.particles, with_gravity=True)
+
     def nodal_arrays(self) -> dict[str, Array]:
         """Return its arrays over all nodes, by name."""
         return {"force": self.force}

@@ -59,6 +59,7 @@ class Cracks:
         transfer: Any,
         conditions: Any,
         wave_speed: Callable[[], float],
+        loads: Callable[[State], Any] | None = None,
     ):
         models, particles = scene.cracks, state.particles
         cell = float(grid.cell.min())
@@ -94,7 +95,9 @@ class Cracks:
         if scene.fracture is not None:
             from mpmcli.cracks.tips import Tips, thickness_of
 
-            self.tips = Tips(scene.fracture, self.chains, models, state, grid, thickness_of(scene), order)
+            self.tips = Tips(
+                scene.fracture, self.chains, models, state, grid, thickness_of(scene), order, loads
+            )
             self.view.tip = self.tips.values
         self.pressures = self.tractions = None
         loaded = any(model.pressure is not None for model in models)

@@ -1,7 +1,7 @@
 """Fracture quantities of the tips of a running simulation, found when something asks."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -41,6 +41,7 @@ class Tips:
     grid : whose nodes contours run along
     thickness : across the plane; 1 around an axis [length]
     order : of the particles, by which those near a tip are found
+    loads : gives the force per mass (2, N) of loads on particles now, None where none acts
 
     Attributes
     ----------
@@ -56,7 +57,9 @@ class Tips:
         grid: Any,
         thickness: float,
         order: CellOrder | None = None,
+        loads: Callable[[State], Array | None] | None = None,
     ):
+        self._loads = loads
         self.model, self._chains, self._models, self._state, self._grid = model, chains, models, state, grid
         self.cell = cell = float(grid.cell.min())
         self.inner, self.outer = model.inner * cell, model.outer * cell
@@ -195,8 +198,9 @@ class Tips:
             margin = min((2.0 + 2.0 * order.drift) * float(self._grid.cell[1]), EVERYWHERE)
         return matter_near(
             state.particles, state.analysis, frame, radius, self.thickness,
-            acceleration=self._acceleration(), rigid=state.rigid, elastic=self.model.energies == "elastic",
-            chunks=None if order is None else order.chunks, margin=margin, room=self._room,
+            acceleration=self._acceleration(), inertia=self.model.terms == 2, rigid=state.rigid,
+            elastic=self.model.energies == "elastic", chunks=None if order is None else order.chunks,
+            margin=margin, room=self._room,
         )  # fmt: skip
 
     def _others_near(self, chain: Chain, frame: Frame) -> list[Chain]:
@@ -235,9 +239,18 @@ class Tips:
         return Crack(plane, jump, holds, passes, grip, pressure, given, end), asks, bends
 
     def _acceleration(self) -> Array | None:
-        """Accelerations (2, N) in the last step; None where inertia does not count."""
-        if self.model.terms != 2:
-            return None
+        """Accelerations (2, N) in the last step less the force per mass of loads; None where neither counts.
+
+        Stress is in balance with their difference: ∇·σ = ρ (a − b).
+        """
+        a = self._inertia() if self.model.terms == 2 else None
+        b = None if self._loads is None else self._loads(self._state)
+        if b is None:
+            return a
+        return np.asarray(-b if a is None else a - b)
+
+    def _inertia(self) -> Array:
+        """Accelerations (2, N) in the last step."""
         p = self._state.particles
         if self._before is None:
             return np.zeros_like(p.V)

@@ -175,8 +175,9 @@ class Simulation(Parts):
             from mpmcli.cracks.cracks import Cracks
 
             self.cracks = Cracks(
-                scene, plan, grid, state, self.order, self.transfer, self.conditions, lambda: self.wave_speed
-            )
+                scene, plan, grid, state, self.order, self.transfer, self.conditions, lambda: self.wave_speed,
+                None if self.loads is None else self.loads.per_mass,
+            )  # fmt: skip
             state.cracks = self.cracks.view
         faces = None if self.cracks is None else self.cracks.faces
         corrections = (sides, images, self.conditions, self.contact, faces)

@@ -59,7 +59,8 @@ class Matter(NamedTuple):
     stress : (3, n) Cauchy stress 11, 22, 12 [pressure]
     energy : (n,) work of the stress per current volume [pressure]
     mass : (n,) mass per thickness or per radian
-    velocity, acceleration, rate : (2, n) v, a and v_j,1; (2, 0) where inertia does not count
+    velocity, acceleration, rate : (2, n) v, a − b with the force per mass b of loads, and v_j,1; v, a and v_j,1 are 0
+        where inertia does not count, and all (2, 0) where no such load acts either
     ring : terms of the hoop direction
     """
 
@@ -77,12 +78,12 @@ class Matter(NamedTuple):
 
     @property
     def moves(self) -> bool:
-        """Whether inertia counts."""
+        """Whether inertia or forces of loads count."""
         return self.velocity.shape[1] > 0
 
     @property
     def whole_energy(self) -> Array:
-        """Energy per current volume (n,), with that of motion where inertia counts [pressure]."""
+        """Energy per current volume (n,), with that of motion where it counts [pressure]."""
         if not self.moves:
             return self.energy
         return np.asarray(self.energy + 0.5 * self.mass / self.volume * (self.velocity**2).sum(axis=0))
@@ -121,6 +122,7 @@ def matter_near(
     thickness: float = 1.0,
     *,
     acceleration: Array | None = None,
+    inertia: bool = True,
     rigid: tuple[int, ...] = (),
     elastic: bool = False,
     chunks: Array | None = None,
@@ -136,7 +138,8 @@ def matter_near(
     ----------
     particles : ``core.particles.Particles``
     frame, radius, thickness : of the tip, of the domain, across the plane [length]
-    acceleration : (2, N) of all particles; None leaves inertia out
+    acceleration : (2, N) less the force per mass of loads, of all particles; None where neither counts
+    inertia : with ``acceleration``: whether kinetic energy counts
     rigid : indices of bodies that do not count
     elastic : take the energy as ½σ:ε instead of the accumulated work of the stress
     chunks, margin : chunks of lines of particles along x, and by how much those of a chunk may lie outside of where its
@@ -162,7 +165,7 @@ def matter_near(
         ring = Ring(out[11], out[12], out[13], x, c, s)
     if moves:
         motion = np.empty((2, n)), np.empty((2, n)), np.empty((2, n))
-        gather_motion(near, p.V, acceleration, p.L, c, s, *motion)
+        gather_motion(near, p.V, acceleration, p.L, c, s, inertia, *motion)
     return Matter(out[:2], out[2], out[3], out[4:6], out[6:9], out[9], out[10], *motion, ring), near
 
 
@@ -241,12 +244,18 @@ def gather(
 
 
 @called_once
-def gather_motion(near, V, A, L, c, s, velocity, acceleration, rate):
-    """Write v, a and v_j,1 of the particles ``near`` (n,) in the frame of e₁ = (c, s), (2, n) each."""
+def gather_motion(near, V, A, L, c, s, inertia, velocity, acceleration, rate):
+    """Write v, a and v_j,1 of the particles ``near`` (n,) in the frame of e₁ = (c, s), (2, n) each.
+
+    Without inertia v and v_j,1 are 0.
+    """
+    velocity[:], rate[:] = 0.0, 0.0
     for k in range(near.shape[0]):
         p = near[k]
-        velocity[0, k], velocity[1, k] = c * V[0, p] + s * V[1, p], c * V[1, p] - s * V[0, p]
         acceleration[0, k], acceleration[1, k] = c * A[0, p] + s * A[1, p], c * A[1, p] - s * A[0, p]
+        if not inertia:
+            continue
+        velocity[0, k], velocity[1, k] = c * V[0, p] + s * V[1, p], c * V[1, p] - s * V[0, p]
         xx, xy, yx, yy = L[0, p], L[1, p], L[2, p], L[3, p]
         rate[0, k] = c * c * xx + c * s * (xy + yx) + s * s * yy
         rate[1, k] = c * c * yx + c * s * (yy - xx) - s * s * xy

@@ -171,6 +171,32 @@ def test_inertia_balances_a_field_in_motion():
     assert abs(energy_release_rate(at_rest, 0.3, 0.9)) > 0.5
 
 
+@pytest.mark.parametrize("radii", [(0.1, 0.3), (0.2, 0.55)])
+def test_gravity_along_a_crack_changes_nothing(radii):
+    """The field of a tip, and that of a plate which hangs from far ahead: both leave the faces free."""
+    x, K, g, nothing = lattice(0.6, 0.025), 1e-3, 5e-3, np.zeros(48 * 48)
+    field = tip_field(x, K, 0.0, STRAIN)
+    weight = np.stack([-g * x[0], nothing, nothing])
+    across = strain_of(weight, STRAIN)[1] / x[0]
+    stress = field.stress + weight
+    strain = strain_of(stress, STRAIN)
+    slope = np.stack([strain[0], field.slope[1] + across * x[1]])
+    energy = 0.5 * (stress[0] * strain[0] + stress[1] * strain[1] + 2.0 * stress[2] * strain[2])
+    volume = np.full(x.shape[1], 0.025**2)
+    at_rest = {"velocity": np.zeros(x.shape), "rate": np.zeros(x.shape)}
+
+    def ratios(force):
+        b = {"acceleration": np.stack([nothing - force, nothing])}
+        matter = still(x, volume, stress, slope, energy, **b, **at_rest)
+        J, (K_I, K_II) = energy_release_rate(matter, *radii), modes_by_interaction(matter, *radii, STRAIN)
+        return J * STRAIN.modulus / K**2, K_I / K, K_II / K
+
+    assert ratios(g) == pytest.approx((1.0, 1.0, 0.0), abs=0.003)
+    J, K_I, _ = ratios(0.0)  # without the force
+    assert J > 1.1
+    assert K_I > 1.05
+
+
 def test_faces_that_transmit_tractions_count():
     """A uniform shear field with a slip that grows along a face: J must vanish, since nothing is singular."""
     x = lattice(1.0, 0.02)

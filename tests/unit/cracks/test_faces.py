@@ -17,6 +17,8 @@ from mpmcli.cracks.integrals.elastic import plane_elasticity
 from mpmcli.cracks.integrals.faces import fit_at_faces
 from mpmcli.cracks.integrals.seen import Crack, angle_beside, asks, bends, side_at
 from mpmcli.cracks.tips import Tips
+from mpmcli.scene.loader import load_scene
+from mpmcli.solver.simulation import Simulation
 
 pytestmark = pytest.mark.usefixtures("python_and_compiled")
 CELL = 0.1
@@ -228,6 +230,45 @@ def test_accelerations_are_those_of_the_last_step():
     assert tips._acceleration() == pytest.approx(np.tile(p.id * 1.0, (2, 1)))
     p.keep(p.id % 3 == 1)
     assert tips._acceleration() == pytest.approx(np.tile(p.id * 1.0, (2, 1)))
+
+
+@pytest.mark.parametrize("terms", [1, 2])
+def test_forces_of_loads_count_against_accelerations(terms):
+    tips = tips_of(Plate(1e-3, 0.0, STRAIN), SMOOTH, terms=terms)
+    assert (tips._acceleration() is None) == (terms == 1)
+    smooth = tips.values(0, END)
+    tips._loads = lambda state: np.tile([[0.3], [-0.2]], state.particles.count)
+    assert tips._acceleration() == pytest.approx(np.tile([[-0.3], [0.2]], tips._state.particles.count))
+    tips._state.step += 1
+    assert abs(tips.values(0, END)[0] / smooth[0] - 1.0) > 1e-3
+
+
+HANGING = """
+version: 1
+analysis: {kind: plane_strain}
+grid: {lower: [0, -2], upper: [3, 2], cell: 0.5}
+method: {shape: ugimp, transfer: {kind: flip}}
+materials: {m: {kind: linear_elastic, E: 1000, nu: 0.3, density: 1}}
+bodies: [{name: block, material: m, region: {kind: box, lower: [0, -1], upper: [2, 1]}}]
+cracks: [{name: main, path: {kind: points, points: [[0, 0.1], [1, 0.1]]}, ends: {start: mouth}}]
+fracture: {inner: 1, outer: 2}
+loads:
+  - {name: weight, kind: gravity, acceleration: [0, -9]}
+  - {name: spin, kind: body_force, acceleration: [4*x, 0]}
+  - {name: pull, kind: particle_force, on: {body: block}, force: [0, 2]}
+boundary: BOUNDARY
+time: {end: 1, courant: 0.2}
+"""
+
+
+@pytest.mark.parametrize("boundary", ["[]", "[{name: left, kind: symmetry, plane: {axis: x, at: 0}}]"])
+def test_tips_know_gravity_and_forces_on_particles(boundary, plain_python):
+    with plain_python():
+        simulation = Simulation(load_scene(HANGING.replace("BOUNDARY", boundary)), 1)
+        X = simulation.particles.X
+        assert simulation.cracks.tips._acceleration() == pytest.approx(
+            np.stack([-4.0 * X[0], 0.0 * X[0] + 8.5])
+        )
 
 
 def test_particles_far_away_give_nothing():
