@@ -36,6 +36,9 @@ from mpmcli.materials.planar import in_space_and_plane
 # rows of the history array after the six of the elastic strain
 STRAIN, WORK, TEMPERATURE, HEAT = 6, 7, 8, 9
 
+LEAST = 1e-12
+"""Flow stress over the trial stress that the search for the thickness takes of a material without any, as molten."""
+
 
 @MATERIALS.register
 class J2Plastic(ElasticModel):
@@ -156,7 +159,8 @@ def free_increment(
     """
     low, high = 0.0, (a + b) / k
     rate = 1.0 / dt if dt > 0.0 else 0.0
-    Y, slope = ratio * start[0], ratio * start[1]
+    least = LEAST * (a + b)
+    Y, slope = max(least, ratio * start[0]), ratio * start[1]
     for _ in range(60):
         y, z = 1.0 / (Y + k * step), 1.0 / (Y + h * step)
         u, v, f, g = a * a * y * y, b * b * z * z, (slope + k) * y, (slope + h) * z
@@ -182,7 +186,7 @@ def free_increment(
             Y += slope * change
             break
         Y, slope = flow(m, alpha + step, step * rate, T, dt)
-        Y, slope = ratio * Y, ratio * slope
+        Y, slope = max(least, ratio * Y), ratio * slope
     return step, Y
 
 

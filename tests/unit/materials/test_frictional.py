@@ -274,3 +274,15 @@ def test_the_width_of_a_bar_is_found_between_two_plateaus(plain_python, match):
             tau = MaterialPoint("uniaxial_stress", words).step(1.0, strain)
         assert tau[0] == pytest.approx(0.03, rel=1e-9)  # three times the cut-off
         assert np.abs(tau[1:]).max() < 1e-10
+
+
+@pytest.mark.parametrize("analysis", ["plane_stress", "uniaxial_stress"])
+@pytest.mark.parametrize("kind", ["mohr_coulomb", "drucker_prager"])
+def test_matter_without_strength_keeps_its_thickness_in_tension(plain_python, kind, analysis):
+    """All thicknesses are free of stress then: the search took the largest that it tries, e²⁰ times the last one."""
+    for numbers in ({"tension": 0.0}, {"cohesion": 0.0}):
+        with plain_python():
+            point = MaterialPoint(analysis, make(kind, **numbers).model_dump(exclude_none=True))
+            for x, y in ((-0.01, 0.0), (0.03, 0.02), (-0.05, -0.01)):
+                point.steps(2, 0.5, *[x, 0.0, 0.0, y][: 4 if analysis == "plane_stress" else 1])
+                assert point.F[-1] == pytest.approx(1.0, abs=0.1)

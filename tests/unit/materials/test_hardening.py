@@ -114,6 +114,20 @@ def test_no_stress_across_a_sheet_that_keeps_its_thickness(plain_python):
         assert abs(tau[2]) <= 2e-7 * abs(tau[3])
 
 
+@pytest.mark.parametrize("analysis", ["plane_stress", "uniaxial_stress"])
+def test_molten_metal_bears_no_stress(plain_python, analysis):
+    """No flow stress at all: the search for the thickness divided by it."""
+    cook = {"kind": "johnson_cook", "A": 2.0, "B": 5.0, "n": 0.4, "Tm": 1000.0}
+    with plain_python():
+        point = MaterialPoint(
+            analysis, {"kind": "j2_plastic", "K": 300.0, "G": 100.0, "T0": 1000.0, "hardening": cook}
+        )
+        for L in ((0.3, 0.1, -0.1, 0.05), (-0.5, 0.2, 0.1, 0.1)):
+            tau = point.step(0.1, *L[: 4 if analysis == "plane_stress" else 1])
+            assert abs(tau).max() < 1e-9
+            assert point.J == pytest.approx(1.0, abs=1e-12)
+
+
 @every
 def test_simple_shear_meets_the_flow_stress_and_accounts_for_the_work(kind):
     model = make(kind)
