@@ -39,6 +39,7 @@ from mpmcli.materials.lateral import (
     shared_by_trials,
     thickness_stretch,
 )
+from mpmcli.materials.linear_elastic import hencky_speed_squared
 from mpmcli.materials.own_numbers import with_own_numbers
 
 BAND, NORMAL, DRIVER, DAMAGE, OPENING, DISSIPATED = 0, 3, 6, 7, 8, 9
@@ -107,13 +108,14 @@ class IsotropicSoftening(ElasticModel):
             self.bulk_modulus / self.density,
             self.strength,
             self.toughness,
+            self.density,
         )
 
 
 @with_own_numbers
 @with_defaults
 class LinearSoftening(NamedTuple):
-    """Numbers of the material: λ, G [pressure], squares of wave and bulk speed, strength, energy per area."""
+    """Numbers of the material: λ, G [pressure], squares of wave and bulk speed at rest, strength, energy per area."""
 
     lame: float
     shear: float
@@ -121,6 +123,7 @@ class LinearSoftening(NamedTuple):
     bulk2: float
     strength: float
     toughness: float
+    density: float
 
 
 @with_own_numbers
@@ -134,6 +137,7 @@ class ExponentialSoftening(NamedTuple):
     bulk2: float
     strength: float
     toughness: float
+    density: float
 
 
 @generic
@@ -336,7 +340,8 @@ for _Softening in (LinearSoftening, ExponentialSoftening):
 
     @wave_speed_squared.register(_Softening)
     def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-        return m.wave2
+        # that of Hencky elasticity, which a closed crack leaves as it is
+        return hencky_speed_squared(m, F)
 
     @bulk_speed_squared.register(_Softening)
     def _(m: Any, F: Any, H: Any, p: Any) -> Any:

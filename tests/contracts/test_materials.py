@@ -15,6 +15,7 @@ from mpmcli.materials import MATERIALS
 from mpmcli.materials.base import bulk_speed_squared, kirchhoff_stress, strain_energy, wave_speed_squared
 from mpmcli.materials.lateral import lateral_stretch, thickness_stretch
 from mpmcli.materials.strain import block_count, stored_energy, update_strain_and_stress
+from mpmcli.stability.scene_limit import SAFETY
 
 MODELS = [
     MATERIALS[kind].model_validate(examples.material(kind, numbers))
@@ -194,6 +195,20 @@ def test_wave_speed_is_the_slope_of_stress_against_strain(model):
     dilation = slope(lambda x: np.exp(x / 3) * np.eye(3))
     bulk = np.trace(dilation) / 3 - np.trace(stress(model, np.eye(3))) / 3
     assert bulk_speed_squared(m, IDENTITY, H, 0) == pytest.approx(bulk / model.density, rel=1e-4)
+
+
+@pytest.mark.parametrize("stretch", [0.7, 0.95, 1.02, 1.3])
+@pytest.mark.parametrize(
+    "model", [m for m in MODELS if "hyperelastic" in m.properties or m.bands], ids=lambda m: m.kind
+)
+def test_wave_speed_is_not_below_the_slope_under_load(model, stretch):
+    """ρ₀c² ≥ dτ_xx/d(ln λ) − τ_xx in uniaxial strain, but for the margin of ``courant: auto``."""
+    m, H, h = model.parameters("uniaxial_strain", True), start(model), 1e-6
+    F, change = np.diag([stretch, 1.0, 1.0]), np.diag([math.exp(-h), 1.0, 1.0])
+    tau = stress(model, F, "uniaxial_strain", H=H, commit=True)[0, 0]
+    less = stress(model, F @ change, "uniaxial_strain", H=H.copy(), dF=change)[0, 0]
+    needed = (tau - less) / h - tau
+    assert model.density * wave_speed_squared(m, nine(F), H, 0) >= needed * SAFETY**2 * (1 - 1e-5)
 
 
 @pytest.mark.parametrize("analysis", sorted(set(ANALYSES) - {"3d"}))
