@@ -78,6 +78,9 @@ def scheme_of(scene: Any) -> Scheme:
 def models_of(scene: Any) -> list[Model]:
     """Return the models of all deformable bodies, each kind once, lowest limits first as a rule.
 
+    The order of the bodies in the scene has no effect. Unstable intervals lie below stable Courant numbers, so that the
+    limit depends on the model that is searched first: one of the fastest body.
+
     Materials that are not elastic at rest count as fluids of their wave speed, axisymmetric analyses as plane.
 
     Raises
@@ -97,7 +100,7 @@ def models_of(scene: Any) -> list[Model]:
         for model in _models_of_body(scene, particle, body, material, held[body.name], fastest):
             model = replace(model, viscosity=viscosity)
             kinds.setdefault(replace(model, body=""), model)
-    return sorted(kinds.values(), key=lambda model: model.speed)
+    return sorted(kinds.values(), key=lambda model: (model.speed, model.scale, repr(model.lattice)))
 
 
 def _models_of_body(

@@ -26,8 +26,19 @@ from mpmcli.stability.held import held_axes
 from mpmcli.stability.lattice import Lattice, axis_stencils, stencils
 from mpmcli.stability.linear_step import LinearStep, Scheme
 from mpmcli.stability.models import SLOW as SLOWLY
+<<<<<<< HEAD
 from mpmcli.stability.models import NoKnownLimit, models_of
 from mpmcli.stability.scene_limit import SAFETY, chosen_courant, limit_in_motion, stable_courant, warning_of
+=======
+from mpmcli.stability.models import Model, NoKnownLimit, models_of
+from mpmcli.stability.scene_limit import (
+    SAFETY,
+    chosen_courant,
+    limit_in_motion,
+    stable_courant,
+    warning_of,
+)
+>>>>>>> relations
 from mpmcli.study.transfers import transfer_value
 
 SLOW = pytest.mark.slow
@@ -138,6 +149,25 @@ def test_the_models_of_a_body():
     assert block.dimensions == 2
     assert 0.0 < block.shear < 0.5
     assert block.lame + 2 * block.shear == pytest.approx(1.0)
+
+
+def test_the_order_of_the_bodies_has_no_effect():
+    soft, stiff = (f"{{kind: linear_elastic, density: {density}, E: 3, nu: 0.3}}" for density in (3, 1))
+    bodies = [
+        f"{{name: {name}, material: {name}, region: {{kind: box, lower: [{x}], upper: [{x + 1}]}}}}"
+        for name, x in (("soft", 1), ("stiff", 4))
+    ]
+
+    def models(bodies: list[str]) -> list[Model]:
+        text = f"""
+            {{version: 1, analysis: {{kind: uniaxial_strain}}, grid: {{lower: [0], upper: [8], cell: 1}},
+             materials: {{soft: {soft}, stiff: {stiff}}}, bodies: [{", ".join(bodies)}],
+             time: {{end: 1, courant: auto}}}}"""
+        return models_of(load_scene(text).scene)
+
+    found = models(bodies)
+    assert found == models(bodies[::-1])
+    assert [model.body for model in found] == ["stiff", "soft"] * 2  # lowest limits first
 
 
 def test_an_axis_whose_faces_are_held_is_an_endless_row():
