@@ -100,7 +100,9 @@ def models_of(scene: Any) -> list[Model]:
         for model in _models_of_body(scene, particle, body, material, held[body.name], fastest):
             model = replace(model, viscosity=viscosity)
             kinds.setdefault(replace(model, body=""), model)
-    return sorted(kinds.values(), key=lambda model: (model.speed, model.scale, repr(model.lattice)))
+    return sorted(
+        kinds.values(), key=lambda model: (model.speed, model.scale, repr(model.lattice), model.viscosity)
+    )
 
 
 def _models_of_body(

@@ -26,19 +26,8 @@ from mpmcli.stability.held import held_axes
 from mpmcli.stability.lattice import Lattice, axis_stencils, stencils
 from mpmcli.stability.linear_step import LinearStep, Scheme
 from mpmcli.stability.models import SLOW as SLOWLY
-<<<<<<< HEAD
-from mpmcli.stability.models import NoKnownLimit, models_of
-from mpmcli.stability.scene_limit import SAFETY, chosen_courant, limit_in_motion, stable_courant, warning_of
-=======
 from mpmcli.stability.models import Model, NoKnownLimit, models_of
-from mpmcli.stability.scene_limit import (
-    SAFETY,
-    chosen_courant,
-    limit_in_motion,
-    stable_courant,
-    warning_of,
-)
->>>>>>> relations
+from mpmcli.stability.scene_limit import SAFETY, chosen_courant, limit_in_motion, stable_courant, warning_of
 from mpmcli.study.transfers import transfer_value
 
 SLOW = pytest.mark.slow
