@@ -66,7 +66,7 @@ class Failures:
         if np.isfinite(J) and J <= 0.0:
             what = f"J = det F = {J:.3g}: the particle is inverted"
         elif np.isfinite(J) and not low <= J <= high:
-            what = f"J = {J:.3g} is outside domain.volume_ratio, {low:g} to {high:g}"
+            what = f"J = {J:.6g} is outside domain.volume_ratio, {low:g} to {high:g}"
         else:
             what = "the stress is not finite"
         raise SimulationError(f"{what}; {self.describe(particle)}. {self._advice()}")
