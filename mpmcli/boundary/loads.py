@@ -145,7 +145,10 @@ class Loads:
             f[self._rigid_dofs()] = 0.0
 
     def per_mass(self, state: Any) -> Array | None:
-        """Return the force per mass (d, N) of loads on particles now, None without any. The next call overwrites it."""
+        """Return the force per mass (d, N) of loads on particles now [length/time²], None without any.
+
+        The next call overwrites it.
+        """
         return self.on_particles.accelerations(state.time, state.particles, with_gravity=True)
 
     def nodal_arrays(self) -> dict[str, Array]:

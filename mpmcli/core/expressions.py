@@ -215,8 +215,7 @@ def _syntax(text: str) -> ast.expr:
     if re.match(r"\s*[+-]?\d+,\d", text):
         raise ValueError(f"'{text}' has a decimal comma; write a point")
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
+        with warnings.catch_warnings(action="ignore"):
             return ast.parse(text.strip(), mode="eval").body
     except SyntaxError as error:
         if "too many nested" in str(error):
@@ -397,6 +396,5 @@ def _refusal(node: ast.AST) -> str:
 
 
 def _known_constants(constants: Mapping[str, float]) -> str:
-    return (
-        f" (constants of the scene: {', '.join(constants)})" if constants else " (the scene has no constants)"
-    )
+    names = ", ".join(constants)
+    return f" (constants of the scene: {names})" if names else " (the scene has no constants)"

@@ -91,9 +91,8 @@ def search_strain(m: Any, shared: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any,
     x0, f0, x, change = 0.0, 0.0, 0.0, 0.0
     for trial in range(80):
         f, slope = lateral_stress(m, shared, F, dF, H, p, dt, x, both)
-        if (
-            f == 0.0
-        ):  # also on a plateau, as of a material without tensile strength: the least change of the width
+        # also on a plateau, as of a material without tensile strength: the least change of the width
+        if f == 0.0:
             break
         if f > 0.0:
             high = min(high, x)
