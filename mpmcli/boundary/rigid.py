@@ -37,6 +37,7 @@ class RigidBodies:
         self._order, self._grid, self._particles = order, order.grid, order.particles
         self._mirror = mirror
         self.held = np.zeros(0, dtype=np.int64)
+        self._arm = float(self._grid.cell.max())
         self._is_rigid = np.zeros(len(fields), dtype=bool)
         self._is_rigid[[field_of_body[i] for i in rigid]] = True
         self._moving = [(i, bodies[i].velocity) for i in rigid if bodies[i].velocity]
@@ -57,7 +58,7 @@ class RigidBodies:
         return self._dofs
 
     def prepare(self, step: Step) -> None:
-        """Find positions and velocities at the end of the step (midpoint rule), before anything has changed.
+        """Find positions, velocities and surface normals at the end of the step (midpoint rule), before anything has changed.
 
         Raises
         ------
@@ -72,12 +73,15 @@ class RigidBodies:
             self._places = [np.flatnonzero(bodies == i) for i, _ in self._moving]
         self._X = p.X[:, self._still]
         self._V = np.zeros_like(self._X)
+        self._outward = None if p.outward is None else p.outward[:, self._still]
         for places, (i, velocity) in zip(self._places, self._moving, strict=True):
             name = self._bodies[i].name
             start = self._X[:, places]
-            middle = start + velocity_at(velocity, start, time, name) * (0.5 * dt)
-            end = start + velocity_at(velocity, middle, time + 0.5 * dt, name) * dt
+            end = _moved(velocity, start, time, dt, name)
             self._X[:, places] = end
+            if self._outward is not None:
+                arm = self._arm * self._outward[:-1, places]
+                self._outward[:-1, places] = _unit(_moved(velocity, start + arm, time, dt, name) - end)
             self._V[:, places] = velocity_at(velocity, end, time + dt, name)
 
     def hold(self, step: Step, mp: Array) -> None:
@@ -108,8 +112,10 @@ class RigidBodies:
         self.held = self._on_nodes = np.concatenate([self.held[:0], *(dof for _, dof, _, _ in self._nodes)])
 
     def move(self, X: Array) -> None:
-        """Put positions ``X`` (d, N) and velocities of rigid particles to the end of the step."""
+        """Put positions ``X`` (d, N), velocities and surface normals of rigid particles to the end of the step."""
         V = self._particles.V
+        if self._outward is not None:
+            self._particles.outward[:, self._still] = self._outward
         self._order.drift += put_back(self._still, self._X, self._V, X, V, 1.0 / self._grid.cell)
 
 
@@ -141,6 +147,18 @@ def put_back(still, X_still, V_still, X, V, inverse_cell):
             X[a, p] = X_still[a, k]
             V[a, p] = V_still[a, k]
     return farthest
+
+
+def _moved(velocity: Any, X: Array, time: float, dt: float, name: str) -> Array:
+    """Where points ``X`` (d, n) of body ``name`` are after a step, by the midpoint rule [length]."""
+    middle = X + velocity_at(velocity, X, time, name) * (0.5 * dt)
+    return X + velocity_at(velocity, middle, time + 0.5 * dt, name) * dt
+
+
+def _unit(v: Array) -> Array:
+    """Vectors (d, n) of length 1, zeros where they are zero."""
+    length = np.sqrt((v**2).sum(axis=0))
+    return v / np.where(length > 0.0, length, 1.0)
 
 
 def velocity_at(velocity: Any, X: Array, time: float, name: str) -> Array:

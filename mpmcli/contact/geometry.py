@@ -8,7 +8,8 @@ from mpmcli.contact.area import contact_area, perpendicular_size
 from mpmcli.contact.fields_in_contact import field_at
 from mpmcli.contact.near_particles import IMAGE_BITS
 from mpmcli.contact.neighbours import Neighbours
-from mpmcli.contact.normals.base import find_normal
+from mpmcli.contact.normals.base import FOUND, find_normal
+from mpmcli.contact.normals.gradients import rigid_surface
 from mpmcli.contact.separation.base import find_separation
 from mpmcli.core.compiled.kernel import inline, kernel, prange
 from mpmcli.core.particles import determinant_of_particle
@@ -87,6 +88,7 @@ class Matter(NamedTuple):
     vol0, mass : (N,) initial volume and mass
     X0 : (d, N) initial positions [length], or None
     bond : (N,) 1 while adhesion is intact, or None
+    outward : (d, N) unit normals of the surface above rigid particles [-], or None
     """
 
     field: Array
@@ -97,6 +99,7 @@ class Matter(NamedTuple):
     mass: Array
     X0: Any
     bond: Any
+    outward: Any
 
 
 @kernel
@@ -151,6 +154,16 @@ def put_displacement(axes, X, X0, p, turned, u, at):
     for a in range(len(axes)):
         moved = X[a, p] - X0[a, p]
         u[a, at] = -moved if turned >> a & 1 else moved
+
+
+@inline
+def put_outward(axes, outward, p, turned, to, at):
+    """Column ``at`` of ``to`` (d, capacity), if there is one: surface normal, mirrored as the bits of ``turned`` say."""
+    if to is None or outward is None:
+        return
+    for a in range(len(axes)):
+        to[a, at] = -outward[a, p] if turned >> a & 1 else outward[a, p]
+    to[len(axes), at] = outward[len(axes), p]
 
 
 @inline
@@ -220,6 +233,7 @@ def gather(axes, slot, alpha, beta, alone, neighbours, nodes, around, near, matt
                 neighbours.G[a, n] = g
             put_displacement(axes, matter.X, matter.X0, p, turned, neighbours.displacement, n)
             put_radius(axes, matter.F, matter.size, p, turned, neighbours.radius_inverse, n)
+            put_outward(axes, matter.outward, p, turned, neighbours.outward, n)
             neighbours.side[n] = -1.0 if mine else 1.0
             neighbours.S[n] = near.S[at]
             v = J * matter.vol0[p]
@@ -278,7 +292,8 @@ def find_geometry(
     for c in prange(workers):
         neighbours = Neighbours(
             buffers.x[c], buffers.side[c], buffers.S[c], buffers.G[c], buffers.volume[c], buffers.mass[c],
-            row_of(buffers.displacement, c), row_of(buffers.radius_inverse, c), buffers.work[c],
+            row_of(buffers.displacement, c), row_of(buffers.radius_inverse, c),
+            row_of(buffers.outward, c), buffers.work[c],
         )  # fmt: skip
         for k in range(begin[slots * c // workers], begin[slots * (c + 1) // workers]):
             slot = fields.slot[k]
@@ -287,7 +302,9 @@ def find_geometry(
                 axes, slot, alpha, beta, fields.alone[k], neighbours, nodes, around, near, matter
             )
             side, order = 1.0 if fields.rigid[k] else 0.0, fields.order[k]
-            if guesses is None:
+            if rigid_surface(axes, neighbours.outward, neighbours, n, fields.rigid[k], normal[k]):
+                status[k] = FOUND
+            elif guesses is None:
                 status[k] = find_normal(
                     normal_method, axes, neighbours, n, side, order, buffers.work[c], normal[k]
                 )

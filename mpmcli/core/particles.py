@@ -45,6 +45,8 @@ class Particles:
     T_stress : (N,) or None; temperature of the last stress, only with materials that expand and whose law needs
         increments [temperature]
     bond : (N,) or None; 1 while contact nearby still adheres, else 0; only with adhesive contact [-]
+    outward : (d, N) or None; unit normals of the surface above the particles of rigid bodies, zeros elsewhere; only
+        where contact uses them [-]
     interface : (3 m, N) or None; history of the interfaces that a particle may belong to, three rows each: largest
         opening so far along the normal and along the surface, −1 before any interface reached it, and 1 where it is
         broken, else 0 [length], [length], [-]
@@ -76,6 +78,7 @@ class Particles:
     heat_flux: Array | None = None
     T_stress: Array | None = None
     bond: Array | None = None
+    outward: Array | None = None
     interface: Array | None = None
 
     version: ClassVar[int] = 0

@@ -98,6 +98,8 @@ def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[
     if plan.has_temperature:
         _allocate_temperatures(particles, models, plan)
     _set_initial_fields(scene, plan, particles, models)
+    if getattr(getattr(scene.contact, "normal", None), "rigid_normal", "method") == "surface":
+        _set_outward_normals(scene, plan, particles, grid)
     if plan.velocity_gradient:
         _set_initial_gradients(scene, particles)
     if any(body.stress is not None for body in scene.bodies):
@@ -272,6 +274,21 @@ def _set_initial_gradients(scene: Any, particles: Particles) -> None:
                 behind[axis] -= half
                 difference = component(*_point(ahead)) - component(*_point(behind))
                 particles.L[d * row + axis, mine] = difference / (2.0 * half)
+
+
+def _set_outward_normals(scene: Any, plan: Plan, particles: Particles, grid: Grid) -> None:
+    """Normals of the surfaces of rigid bodies; those that share a velocity field have one surface."""
+    from mpmcli.geometry.outward import outward_normals
+
+    particles.outward = np.zeros((scene.dimensions + 1, particles.count))
+    fields = np.array(plan.field_of_body)
+    for i in rigid_bodies_of(scene):
+        regions = [scene.bodies[j].region for j in np.flatnonzero(fields == fields[i])]
+        mine = np.flatnonzero(particles.body == i)
+        particles.outward[:, mine] = outward_normals(
+            lambda points, regions=regions: np.logical_or.reduce([r.contains(points) for r in regions]),
+            particles.X[:, mine], grid,
+        )  # fmt: skip
 
 
 def _point(X: Array) -> tuple[Any, ...]:

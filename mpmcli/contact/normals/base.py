@@ -5,7 +5,7 @@ model registered in ``NORMALS``, its parameter tuple, and an
 implementation of ``find_normal`` registered for the tuple's class.
 """
 
-from typing import Annotated, Any, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.model import Model, Quantity
@@ -56,6 +56,8 @@ class BiasedNormalModel(NormalModel):
     """Against a rigid body, its volume gradient is the normal unless the gradient that this method
     calculates is more than this factor larger; 1 is no bias. The regressions calculate no gradient: they
     take the rigid body's from a factor of 10 on [nairn2023notes, 3.5]."""
+    rigid_normal: Literal["method", "surface"] = "method"
+    """Against a rigid body: what this method finds (method), or the normal of the surface of its region (surface)."""
 
 
 @generic

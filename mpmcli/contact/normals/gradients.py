@@ -11,6 +11,9 @@ from mpmcli.core.compiled.compiler import compiled_too
 VANISHES = 1e-12
 """A sum is zero if it is smaller than this fraction of the sum of its terms' sizes."""
 
+CANCELS = 1e-6
+"""Surface normals whose sum is smaller than this fraction of the sum of their lengths give no direction."""
+
 EQUAL = 1e-10
 """Two sizes that differ by less than this fraction of their sum decide nothing."""
 
@@ -93,6 +96,46 @@ def prefer_rigid(bias: Any, rigid: Any, found: Any, ga: Any, gb: Any) -> Any:
         return found
     surface = ga if rigid < 0.0 else negative(gb)
     return found if length(found) > bias * length(surface) else surface
+
+
+@compiled_too
+def rigid_surface(axes: Any, outward: Any, neighbours: Any, count: Any, rigid: Any, out: Any) -> Any:
+    """Overwrite ``out`` (d,) with the normal from α into the rigid β, if β's surface gives one; whether it does.
+
+    It is the mean, weighted by S V, of the surface normals of those particles of β whose surface faces α's centroid: a
+    thin body has another surface behind. ``outward`` is that of ``neighbours``, or None.
+    """
+    if outward is None or not rigid:
+        return False
+    d = len(axes)
+    volume = ax = ay = az = 0.0
+    for p in range(np.uint64(count)):
+        if neighbours.side[p] < 0.0:
+            weight = neighbours.S[p] * neighbours.volume[p]
+            volume += weight
+            ax += weight * neighbours.x[0, p]
+            ay += weight * neighbours.x[1, p] if d > 1 else 0.0
+            az += weight * neighbours.x[2, p] if d > 2 else 0.0
+    x = y = z = size = 0.0
+    for p in range(np.uint64(count)):
+        if neighbours.side[p] > 0.0:
+            nx = outward[0, p]
+            ny = outward[1, p] if d > 1 else 0.0
+            nz = outward[2, p] if d > 2 else 0.0
+            height = nx * (ax - volume * neighbours.x[0, p])
+            height += ny * (ay - volume * neighbours.x[1, p]) if d > 1 else 0.0
+            height += nz * (az - volume * neighbours.x[2, p]) if d > 2 else 0.0
+            if height > 0.0:
+                weight = neighbours.S[p] * neighbours.volume[p]
+                size += weight
+                bend = outward[d, p]
+                x -= weight * (nx - bend * neighbours.x[0, p])
+                y -= weight * (ny - bend * neighbours.x[1, p]) if d > 1 else 0.0
+                z -= weight * (nz - bend * neighbours.x[2, p]) if d > 2 else 0.0
+    if length((x, y, z)) <= CANCELS * size:
+        return False
+    set_normal(axes, (x, y, z), out)
+    return True
 
 
 @compiled_too

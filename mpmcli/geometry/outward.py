@@ -1,0 +1,133 @@
+"""Normals of a surface at the particles beneath it, of any region that tells which points are inside."""
+
+import itertools
+from collections.abc import Callable
+
+import numpy as np
+
+from mpmcli.geometry.lattice import GridBox
+
+Array = np.ndarray
+
+REACH = 2.5
+"""A surface this far away [cells] still gives a particle a normal: farther particles are not seen by nodes near it."""
+RADII = (0.4, 1.0, REACH)
+"""Distances at which the matter around a particle is looked at [cells]."""
+ALONG = np.arange(-1.0, REACH + 0.6, 0.5)
+"""Places along a ray between which the surface is looked for [cells]."""
+CHORD = 0.4
+"""Distance from a particle of the rays whose hits span the surface [cells]."""
+HALVINGS = (6, 24)
+"""How often the piece of a ray with a hit is halved, the first and the second time."""
+CHUNK = 1 << 12
+"""Particles at a time."""
+
+
+def outward_normals(contains: Callable[[Array], Array], X: Array, grid: GridBox) -> Array:
+    """Find the unit normals of the surface near points, pointing out of the matter.
+
+    The sides of the grid are no surface: matter goes on behind them as its mirror image.
+
+    Parameters
+    ----------
+    contains : tells which of the points (d, n) are inside
+    X : (d, N) points inside [length]
+    grid : object with ``lower``, ``upper``, ``cell`` (d,) [length]
+
+    Returns
+    -------
+    (d, N) unit vectors, zeros where no surface is within 2.5 cells.
+    """
+    lower, upper = np.asarray(grid.lower)[:, None], np.asarray(grid.upper)[:, None]
+
+    def is_matter(points: Array) -> Array:
+        flat = points.reshape(len(points), -1)
+        flat = np.where(flat < lower, 2.0 * lower - flat, flat)
+        flat = np.where(flat > upper, 2.0 * upper - flat, flat)
+        return contains(flat).reshape(points.shape[1:])
+
+    found = np.zeros((len(X) + 1, X.shape[1]))
+    for begin in range(0, X.shape[1], CHUNK):
+        part = slice(begin, begin + CHUNK)
+        found[:, part] = _of_chunk(is_matter, X[:, part], np.asarray(grid.cell))
+    return found
+
+
+def _of_chunk(is_matter: Callable[[Array], Array], X: Array, cell: Array) -> Array:
+    """Normals (d, n): first away from where matter is missing, then across two or three hits of rays."""
+    d = len(X)
+    h = float(cell.max())
+    ways = _ways(d)
+    offsets = np.concatenate([h * r * ways for r in RADII], axis=1)
+    missing = ~is_matter(X[:, :, None] + offsets[:, None, :])
+    weight = np.repeat([1.0 / r for r in RADII], ways.shape[1])
+    n = _unit(np.tile(ways, len(RADII)) @ (missing * weight).T)
+    found = np.zeros((d + 1, X.shape[1]))
+    near = np.flatnonzero(n.any(axis=0))
+    n, X = n[:, near], X[:, near]
+    curvature = np.zeros(len(near))
+    for halvings in HALVINGS if d > 1 else ():
+        n, curvature = _across_hits(is_matter, X, n, h, CHORD * float(cell.min()), halvings)
+    found[:d, near] = n
+    found[d, near] = np.clip(curvature, -1 / h, 1 / h)
+    return found
+
+
+def _ways(d: int) -> Array:
+    """Unit vectors (d, m) towards sides, edges and corners of a cell: the same after any turn by a right angle."""
+    steps = np.array([s for s in itertools.product((-1.0, 0.0, 1.0), repeat=d) if any(s)]).T
+    if d == 2:
+        eighth = np.pi / 8
+        turned = np.array([[np.cos(eighth), -np.sin(eighth)], [np.sin(eighth), np.cos(eighth)]]) @ _unit(steps)
+        steps = np.concatenate([_unit(steps), turned], axis=1)
+    return _unit(steps)
+
+
+def _unit(v: Array) -> Array:
+    """Vectors (d, n) of length 1; those that are zero but for round-off stay zero."""
+    length = np.sqrt((v**2).sum(axis=0))
+    return np.where(length > 1e-9, v / np.maximum(length, 1e-9), 0.0)
+
+
+def _across_hits(is_matter: Callable[[Array], Array], X: Array, n: Array, h: float, chord: float, halvings: int) -> tuple[Array, Array]:
+    """Normals (d, n) across the places where rays along ``n`` beside the points leave the matter."""
+    d = len(X)
+    sideways = _perpendicular(n)
+    beside = [s * chord * t for t in sideways for s in (-1.0, 1.0)]
+    starts = np.stack([X + each for each in (0.0, *beside)], axis=2)
+    hit, is_hit = _leave(is_matter, starts, n[:, :, None], h, halvings)
+    ends = starts + n[:, :, None] * hit
+    chords = [ends[:, :, 2 * k + 2] - ends[:, :, 2 * k + 1] for k in range(d - 1)]
+    if d == 2:
+        new = np.stack([chords[0][1], -chords[0][0]])
+    else:
+        new = np.cross(chords[0], chords[1], axis=0)
+    new = _unit(new)
+    new *= np.where((new * n).sum(axis=0) < 0.0, -1.0, 1.0)
+    depth = hit[:, 0]
+    sagitta = depth - hit[:, 1:].mean(axis=1)
+    bend = 2.0 * sagitta / (chord**2 + sagitta**2)
+    ok = is_hit.all(axis=1)
+    return np.where(ok, new, n), np.where(ok, bend / np.maximum(1.0 - bend * depth, 0.1), 0.0)
+
+
+def _perpendicular(n: Array) -> list[Array]:
+    """Unit vectors (d, n) across ``n``: one in the plane, two in space."""
+    if len(n) == 2:
+        return [np.stack([-n[1], n[0]])]
+    axis = np.eye(3)[np.abs(n).argmin(axis=0)].T
+    first = _unit(np.cross(n, axis, axis=0))
+    return [first, np.cross(n, first, axis=0)]
+
+
+def _leave(is_matter: Callable[[Array], Array], start: Array, way: Array, h: float, halvings: int) -> tuple[Array, Array]:
+    """How far along ``way`` (d, n, 1) rays from ``start`` (d, n, m) first leave matter [length]; and whether they do."""
+    inside = is_matter(start[..., None] + (h * ALONG) * way[..., None])
+    leaves = inside[..., :-1] & ~inside[..., 1:]
+    first = leaves.argmax(axis=-1)
+    low, high = h * ALONG[first], h * ALONG[first + 1]
+    for _ in range(halvings):
+        middle = 0.5 * (low + high)
+        stays = is_matter(start + way * middle)
+        low, high = np.where(stays, middle, low), np.where(stays, high, middle)
+    return 0.5 * (low + high), leaves.any(axis=-1)
