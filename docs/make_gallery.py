@@ -283,6 +283,18 @@ GALLERY = (
         ),
     ),
     Shown(
+        "band_brake",
+        "Band brake",
+        (),
+        (
+            Drawn(
+                "band_brake",
+                ("--what", "particles", "--color", "von_mises", "--time", "300"),
+                "Von Mises stress of a band around a turning drum: friction raises its tension towards the held end.",
+            ),
+        ),
+    ),
+    Shown(
         "vortex",
         "Vortex",
         (),

@@ -58,7 +58,7 @@ class RigidBodies:
         return self._dofs
 
     def prepare(self, step: Step) -> None:
-        """Find positions, velocities and surface normals at the end of the step (midpoint rule), before anything has changed.
+        """Find positions, velocities and surface normals at the end of the step (midpoint rule), before all changes.
 
         Raises
         ------
@@ -114,8 +114,9 @@ class RigidBodies:
     def move(self, X: Array) -> None:
         """Put positions ``X`` (d, N), velocities and surface normals of rigid particles to the end of the step."""
         V = self._particles.V
-        if self._outward is not None:
-            self._particles.outward[:, self._still] = self._outward
+        outward: Any = self._particles.outward
+        if outward is not None:
+            outward[:, self._still] = self._outward
         self._order.drift += put_back(self._still, self._X, self._V, X, V, 1.0 / self._grid.cell)
 
 

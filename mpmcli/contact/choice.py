@@ -33,6 +33,7 @@ class ContactChoice:
     used : indices of the laws of pairs that exist, ascending
     acting : the laws of those that do something
     knows_normals : some law needs normals, separations and areas, and with them the particles near contact nodes
+    uses_rigid_surfaces : normals of contacts with rigid bodies are those of their surfaces
     breaks : some law has adhesion that breaks
     has_interfaces : some law is one of interfaces
     lumped, increments, later : contact acts on updated momenta, on every FMPM increment, on final velocities
@@ -56,6 +57,8 @@ class ContactChoice:
         self.knows_normals = any(law.needs_normal for law in self.acting) or (
             needs_area and bool(self.acting)
         )
+        takes_surface = getattr(getattr(model, "normal", None), "rigid_normal", "method") == "surface"
+        self.uses_rigid_surfaces = takes_surface and self.knows_normals and any(self.rigid_fields)
         self.breaks = any(law.adhesive for law in self.acting)
         self.has_interfaces = any(law.is_interface for law in self.acting)
         way = model.increments if self.acting and has_loop else "lumped"

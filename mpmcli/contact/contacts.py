@@ -108,7 +108,11 @@ class Contacts:
         if self._buffers is None or most > self._buffers.side.shape[1]:
             kept = 0 if self._buffers is None else self._buffers.side.shape[1]
             self._buffers = allocate_several(
-                WORKERS, self._dimensions, max(most, 2 * kept, 32), matter.X0 is not None, needs_radius,
+                WORKERS,
+                self._dimensions,
+                max(most, 2 * kept, 32),
+                matter.X0 is not None,
+                needs_radius,
                 matter.outward is not None,
             )
         self._call(

@@ -88,7 +88,7 @@ class Matter(NamedTuple):
     vol0, mass : (N,) initial volume and mass
     X0 : (d, N) initial positions [length], or None
     bond : (N,) 1 while adhesion is intact, or None
-    outward : (d, N) unit normals of the surface above rigid particles [-], or None
+    outward : (d + 1, N) ``Particles.outward``, or None
     """
 
     field: Array
@@ -158,7 +158,7 @@ def put_displacement(axes, X, X0, p, turned, u, at):
 
 @inline
 def put_outward(axes, outward, p, turned, to, at):
-    """Column ``at`` of ``to`` (d, capacity), if there is one: surface normal, mirrored as the bits of ``turned`` say."""
+    """Column ``at`` of ``to`` (d + 1, capacity), if there is one, mirrored as the bits of ``turned`` say."""
     if to is None or outward is None:
         return
     for a in range(len(axes)):
@@ -292,8 +292,8 @@ def find_geometry(
     for c in prange(workers):
         neighbours = Neighbours(
             buffers.x[c], buffers.side[c], buffers.S[c], buffers.G[c], buffers.volume[c], buffers.mass[c],
-            row_of(buffers.displacement, c), row_of(buffers.radius_inverse, c),
-            row_of(buffers.outward, c), buffers.work[c],
+            row_of(buffers.displacement, c), row_of(buffers.radius_inverse, c), buffers.work[c],
+            row_of(buffers.outward, c),
         )  # fmt: skip
         for k in range(begin[slots * c // workers], begin[slots * (c + 1) // workers]):
             slot = fields.slot[k]

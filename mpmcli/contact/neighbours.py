@@ -33,14 +33,14 @@ class Neighbours(NamedTuple):
     radius_inverse: Any
     """(d·d, capacity) M = diag(1/R₀) F⁻¹, rows first, or None: along a unit vector n the particle's
     deformed ellipsoid has the radius 1/|M n| [1/length]."""
-    outward: Any
-    """(d, capacity) unit normals of the surface above rigid particles, zeros elsewhere; or None if contact
-    does without [-]."""
     work: Array
     """(``WORK``,) scratch."""
+    outward: Any = None
+    """(d + 1, capacity) ``Particles.outward``, or None."""
 
 
-def allocate_neighbours(dimensions: int, capacity: int, displacement: bool, radius: bool, outward: bool = False
+def allocate_neighbours(
+    dimensions: int, capacity: int, displacement: bool, radius: bool, outward: bool = False
 ) -> Neighbours:
     """Allocate neighbours of a node, up to ``capacity`` particles."""
     neighbourhoods = allocate_several(1, dimensions, capacity, displacement, radius, outward)
@@ -62,6 +62,6 @@ def allocate_several(
         mass=np.zeros((count, n)),
         displacement=np.zeros((count, d, n)) if displacement else None,
         radius_inverse=np.zeros((count, d * d, n)) if radius else None,
-        outward=np.zeros((count, d + 1, n)) if outward else None,
         work=np.zeros((count, WORK)),
+        outward=np.zeros((count, d + 1, n)) if outward else None,
     )

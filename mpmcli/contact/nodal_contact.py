@@ -132,7 +132,9 @@ class NodalContact(ContactImpulses):
             return 0
         if self._has_geometry:
             transfer, parallel = self._transfer, self._runs_parallel
-            matter = Matter(p.velocity_field, p.X, transfer.domain_F, p.size, p.vol0, p.mass, p.X0, p.bond, p.outward)
+            matter = Matter(
+                p.velocity_field, p.X, transfer.domain_F, p.size, p.vol0, p.mass, p.X0, p.bond, p.outward
+            )
             self.nodes.find_near(
                 transfer.shape.parameters, transfer.across, transfer.stencil, p.X, matter.F, p.size, parallel,
                 self._parted(),

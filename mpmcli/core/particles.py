@@ -45,8 +45,8 @@ class Particles:
     T_stress : (N,) or None; temperature of the last stress, only with materials that expand and whose law needs
         increments [temperature]
     bond : (N,) or None; 1 while contact nearby still adheres, else 0; only with adhesive contact [-]
-    outward : (d, N) or None; unit normals of the surface above the particles of rigid bodies, zeros elsewhere; only
-        where contact uses them [-]
+    outward : (d + 1, N) or None; unit normal of the nearest surface of rigid bodies, pointing out of them, and its
+        curvature at the particle; zeros where there is none near; only where contact uses it [-], [1/length]
     interface : (3 m, N) or None; history of the interfaces that a particle may belong to, three rows each: largest
         opening so far along the normal and along the surface, −1 before any interface reached it, and 1 where it is
         broken, else 0 [length], [length], [-]

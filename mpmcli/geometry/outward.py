@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from mpmcli.geometry.lattice import GridBox
+from mpmcli.core.grid import Grid
 
 Array = np.ndarray
 
@@ -17,46 +17,49 @@ ALONG = np.arange(-1.0, REACH + 0.6, 0.5)
 """Places along a ray between which the surface is looked for [cells]."""
 CHORD = 0.4
 """Distance from a particle of the rays whose hits span the surface [cells]."""
-HALVINGS = (6, 24)
-"""How often the piece of a ray with a hit is halved, the first and the second time."""
+HALVINGS = (8, 8, 24)
+"""How often the piece of a ray with a hit is halved, in each round that makes normals better."""
 CHUNK = 1 << 12
 """Particles at a time."""
 
 
-def outward_normals(contains: Callable[[Array], Array], X: Array, grid: GridBox) -> Array:
-    """Find the unit normals of the surface near points, pointing out of the matter.
+def outward_normals(contains: Callable[[Array], Array], X: Array, grid: Grid) -> Array:
+    """Find the normals and curvatures of the surface near points.
 
-    The sides of the grid are no surface: matter goes on behind them as its mirror image.
+    The sides of the grid are no surface: behind them matter goes on as its mirror image, or around a periodic axis.
 
     Parameters
     ----------
     contains : tells which of the points (d, n) are inside
     X : (d, N) points inside [length]
-    grid : object with ``lower``, ``upper``, ``cell`` (d,) [length]
+    grid : the grid, whose cells say what is near
 
     Returns
     -------
-    (d, N) unit vectors, zeros where no surface is within 2.5 cells.
+    (d + 1, N) unit vectors that point out of the matter [-], and the curvature at the point, positive where
+    matter is convex, in space the mean of both [1/length]; zeros where no surface is within 2.5 cells.
     """
-    lower, upper = np.asarray(grid.lower)[:, None], np.asarray(grid.upper)[:, None]
 
     def is_matter(points: Array) -> Array:
-        flat = points.reshape(len(points), -1)
-        flat = np.where(flat < lower, 2.0 * lower - flat, flat)
-        flat = np.where(flat > upper, 2.0 * upper - flat, flat)
-        return contains(flat).reshape(points.shape[1:])
+        folded = points.reshape(len(points), -1).copy()
+        for a, x in enumerate(folded):
+            lower, upper = grid.lower[a], grid.upper[a]
+            if a in grid.periodic:
+                x[:] = lower + (x - lower) % (upper - lower)
+            else:
+                x[:] = np.where(x < lower, 2.0 * lower - x, np.where(x > upper, 2.0 * upper - x, x))
+        return contains(folded).reshape(points.shape[1:])
 
     found = np.zeros((len(X) + 1, X.shape[1]))
     for begin in range(0, X.shape[1], CHUNK):
         part = slice(begin, begin + CHUNK)
-        found[:, part] = _of_chunk(is_matter, X[:, part], np.asarray(grid.cell))
+        found[:, part] = _of_chunk(is_matter, X[:, part], grid.cell)
     return found
 
 
 def _of_chunk(is_matter: Callable[[Array], Array], X: Array, cell: Array) -> Array:
-    """Normals (d, n): first away from where matter is missing, then across two or three hits of rays."""
-    d = len(X)
-    h = float(cell.max())
+    """Find them for a few points: first away from where matter is missing, then across the hits of rays."""
+    d, h = len(X), float(cell.max())
     ways = _ways(d)
     offsets = np.concatenate([h * r * ways for r in RADII], axis=1)
     missing = ~is_matter(X[:, :, None] + offsets[:, None, :])
@@ -69,7 +72,7 @@ def _of_chunk(is_matter: Callable[[Array], Array], X: Array, cell: Array) -> Arr
     for halvings in HALVINGS if d > 1 else ():
         n, curvature = _across_hits(is_matter, X, n, h, CHORD * float(cell.min()), halvings)
     found[:d, near] = n
-    found[d, near] = np.clip(curvature, -1 / h, 1 / h)
+    found[d, near] = np.clip(curvature, -1.0 / h, 1.0 / h)
     return found
 
 
@@ -78,7 +81,9 @@ def _ways(d: int) -> Array:
     steps = np.array([s for s in itertools.product((-1.0, 0.0, 1.0), repeat=d) if any(s)]).T
     if d == 2:
         eighth = np.pi / 8
-        turned = np.array([[np.cos(eighth), -np.sin(eighth)], [np.sin(eighth), np.cos(eighth)]]) @ _unit(steps)
+        turned = np.array([[np.cos(eighth), -np.sin(eighth)], [np.sin(eighth), np.cos(eighth)]]) @ _unit(
+            steps
+        )
         steps = np.concatenate([_unit(steps), turned], axis=1)
     return _unit(steps)
 
@@ -89,26 +94,28 @@ def _unit(v: Array) -> Array:
     return np.where(length > 1e-9, v / np.maximum(length, 1e-9), 0.0)
 
 
-def _across_hits(is_matter: Callable[[Array], Array], X: Array, n: Array, h: float, chord: float, halvings: int) -> tuple[Array, Array]:
-    """Normals (d, n) across the places where rays along ``n`` beside the points leave the matter."""
+def _across_hits(
+    is_matter: Callable[[Array], Array], X: Array, n: Array, h: float, chord: float, halvings: int
+) -> tuple[Array, Array]:
+    """Better normals than ``n`` (d, n), and curvatures, from where rays along ``n`` leave the matter.
+
+    One ray begins at the point, two beside it along each direction across ``n``. The normal is across the chords
+    between the latter's hits, the curvature that of the circle through three hits.
+    """
     d = len(X)
-    sideways = _perpendicular(n)
-    beside = [s * chord * t for t in sideways for s in (-1.0, 1.0)]
+    beside = [s * chord * t for t in _perpendicular(n) for s in (-1.0, 1.0)]
     starts = np.stack([X + each for each in (0.0, *beside)], axis=2)
-    hit, is_hit = _leave(is_matter, starts, n[:, :, None], h, halvings)
-    ends = starts + n[:, :, None] * hit
-    chords = [ends[:, :, 2 * k + 2] - ends[:, :, 2 * k + 1] for k in range(d - 1)]
-    if d == 2:
-        new = np.stack([chords[0][1], -chords[0][0]])
-    else:
-        new = np.cross(chords[0], chords[1], axis=0)
-    new = _unit(new)
-    new *= np.where((new * n).sum(axis=0) < 0.0, -1.0, 1.0)
-    depth = hit[:, 0]
-    sagitta = depth - hit[:, 1:].mean(axis=1)
-    bend = 2.0 * sagitta / (chord**2 + sagitta**2)
-    ok = is_hit.all(axis=1)
-    return np.where(ok, new, n), np.where(ok, bend / np.maximum(1.0 - bend * depth, 0.1), 0.0)
+    depth, leaves = _leave(is_matter, starts, n[:, :, None], h, halvings)
+    hits = starts + n[:, :, None] * depth
+    chords = [hits[:, :, 2 * k + 2] - hits[:, :, 2 * k + 1] for k in range(d - 1)]
+    across = np.stack([chords[0][1], -chords[0][0]]) if d == 2 else np.cross(chords[0], chords[1], axis=0)
+    across = _unit(across)
+    across *= np.where((across * n).sum(axis=0) < 0.0, -1.0, 1.0)
+    sagitta = depth[:, 0] - depth[:, 1:].mean(axis=1)
+    of_surface = 2.0 * sagitta / (chord**2 + sagitta**2)
+    curvature = of_surface / np.maximum(1.0 - of_surface * depth[:, 0], 0.1)
+    known = leaves.all(axis=1)
+    return np.where(known, across, n), np.where(known, curvature, 0.0)
 
 
 def _perpendicular(n: Array) -> list[Array]:
@@ -120,8 +127,10 @@ def _perpendicular(n: Array) -> list[Array]:
     return [first, np.cross(n, first, axis=0)]
 
 
-def _leave(is_matter: Callable[[Array], Array], start: Array, way: Array, h: float, halvings: int) -> tuple[Array, Array]:
-    """How far along ``way`` (d, n, 1) rays from ``start`` (d, n, m) first leave matter [length]; and whether they do."""
+def _leave(
+    is_matter: Callable[[Array], Array], start: Array, way: Array, h: float, halvings: int
+) -> tuple[Array, Array]:
+    """Return how far along ``way`` (d, n, 1) rays from ``start`` (d, n, m) first leave matter, and whether they do."""
     inside = is_matter(start[..., None] + (h * ALONG) * way[..., None])
     leaves = inside[..., :-1] & ~inside[..., 1:]
     first = leaves.argmax(axis=-1)

@@ -13,7 +13,7 @@ from mpmcli.scene.contact_combinations import check_combinations
 from mpmcli.scene.fields import chosen_pairs, covering, places_of_laws
 from mpmcli.scene.interface_checks import check_interfaces
 from mpmcli.scene.models import MAX_NODES
-from mpmcli.scene.normal_checks import check_specified_normal
+from mpmcli.scene.normal_checks import check_rigid_normal, check_specified_normal
 from mpmcli.scene.parts import Parts
 from mpmcli.scene.problems import Report
 from mpmcli.scene.tree import Node
@@ -344,11 +344,7 @@ def _check_choices(parts: Parts, fields: Fields, report: Report) -> None:
         no_effect("three_or_more", f"the scene has {deformable}")
     if "mass_ratio" in given and fields.complete and len(soft) < 2:
         no_effect("mass_ratio", f"it needs two deformable fields at a node, and the scene has {deformable}")
-    bias, least = getattr(contact.normal, "rigid_bias", 1.0), contact.normal.least_rigid_bias
-    if bias != 1.0 and not any(m.is_rigid for m in fields.members):
-        no_effect("normal.rigid_bias", "no body is rigid")
-    elif 1.0 < bias < least:
-        no_effect("normal.rigid_bias", f"regressions use the normal of the rigid body only from {least:g} on")
+    check_rigid_normal(parts, fields, report)
     if parts.method is None:
         return
     transfer = parts.method.transfer

@@ -1,4 +1,4 @@
-"""Whether a specified contact normal points from one body to the other, where the scene's first positions tell."""
+"""Contact normals that point the wrong way, or that rigid bodies cannot give."""
 
 from itertools import combinations
 from typing import Any
@@ -50,6 +50,31 @@ def check_specified_normal(parts: Parts, fields: Any, report: Report) -> None:
         from mpmcli.contact.normals.specified import wrong_way
 
         report("contact.normal", wrong_way(alpha, beta) + more, "wrong_way", "warning")
+
+
+def check_rigid_normal(parts: Parts, fields: Any, report: Report) -> None:
+    """Report choices about normals of rigid bodies that change nothing, and surfaces that are not known."""
+    normal = parts.contact.normal
+    bias, least = getattr(normal, "rigid_bias", 1.0), normal.least_rigid_bias
+    takes_surface = getattr(normal, "rigid_normal", "method") == "surface"
+    if not any(member.is_rigid for member in fields.members):
+        for key, is_given in (("rigid_bias", bias != 1.0), ("rigid_normal", takes_surface)):
+            if is_given:
+                report.no_effect(f"contact.normal.{key}", "no body is rigid")
+    elif takes_surface:
+        if bias != 1.0:
+            report.no_effect("contact.normal.rigid_bias", "the surface of the rigid body gives the normal")
+        listed = {body.name for _, body in parts.bodies if body.region.gives_particles}
+        for member in fields.members:
+            if member.is_rigid and member.name in listed:
+                words = (
+                    f"the rigid body '{member.name}' is a list of particles, whose surface is not known; fill a "
+                    "region, or use rigid_normal 'method'"
+                )
+                report("contact.normal.rigid_normal", words, "no_surface")
+    elif 1.0 < bias < least:
+        words = f"regressions use the normal of the rigid body only from {least:g} on"
+        report.no_effect("contact.normal.rigid_bias", words)
 
 
 def _reach(n: Array, lower: Array, upper: Array) -> float:

@@ -98,7 +98,7 @@ def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[
     if plan.has_temperature:
         _allocate_temperatures(particles, models, plan)
     _set_initial_fields(scene, plan, particles, models)
-    if getattr(getattr(scene.contact, "normal", None), "rigid_normal", "method") == "surface":
+    if choose_contact(scene, plan).uses_rigid_surfaces:
         _set_outward_normals(scene, plan, particles, grid)
     if plan.velocity_gradient:
         _set_initial_gradients(scene, particles)
@@ -284,11 +284,12 @@ def _set_outward_normals(scene: Any, plan: Plan, particles: Particles, grid: Gri
     fields = np.array(plan.field_of_body)
     for i in rigid_bodies_of(scene):
         regions = [scene.bodies[j].region for j in np.flatnonzero(fields == fields[i])]
+
+        def contains(points: Array, regions: list[Any] = regions) -> Array:
+            return np.logical_or.reduce([region.contains(points) for region in regions])
+
         mine = np.flatnonzero(particles.body == i)
-        particles.outward[:, mine] = outward_normals(
-            lambda points, regions=regions: np.logical_or.reduce([r.contains(points) for r in regions]),
-            particles.X[:, mine], grid,
-        )  # fmt: skip
+        particles.outward[:, mine] = outward_normals(contains, particles.X[:, mine], grid)
 
 
 def _point(X: Array) -> tuple[Any, ...]:

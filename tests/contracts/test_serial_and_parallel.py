@@ -385,6 +385,15 @@ def test_normals(hold_alike, kind, analysis):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("analysis", ["plane_strain", "3d"])
+def test_surfaces_of_rigid_bodies(hold_alike, analysis):
+    scene = in_contact(analysis, normal={"kind": "average_gradient", "rigid_normal": "surface"})
+    scene["materials"]["hard"] = {"kind": "rigid"}
+    scene["bodies"][1]["material"] = "hard"
+    hold_alike(scene)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("analysis", ["plane_strain", "3d"])
 @pytest.mark.parametrize("kind", list(SEPARATIONS))
 def test_separations(hold_alike, kind, analysis):
     hold_alike(in_contact(analysis, separation={"kind": kind} | examples.SEPARATIONS.get(kind, {})))

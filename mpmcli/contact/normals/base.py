@@ -57,7 +57,8 @@ class BiasedNormalModel(NormalModel):
     calculates is more than this factor larger; 1 is no bias. The regressions calculate no gradient: they
     take the rigid body's from a factor of 10 on [nairn2023notes, 3.5]."""
     rigid_normal: Literal["method", "surface"] = "method"
-    """Against a rigid body: what this method finds (method), or the normal of the surface of its region (surface)."""
+    """Normal against a rigid body: what this method finds (method), or that of the surface of the region that the
+    body fills, which turns with it (surface)."""
 
 
 @generic

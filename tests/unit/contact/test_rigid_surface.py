@@ -1,0 +1,155 @@
+"""Normals of contacts from the surfaces of rigid bodies: at nodes, in images, while bodies turn, in scenes."""
+
+import numpy as np
+import pytest
+
+from mpmcli.contact.neighbours import allocate_neighbours
+from mpmcli.contact.normals.gradients import rigid_surface
+from mpmcli.core.errors import SceneError
+from mpmcli.scene.loader import load_scene
+from mpmcli.solver.simulation import Simulation
+
+AXES = (0.0, 0.0)
+
+
+def neighbours_of(x, side, outward):
+    """Particles at ``x`` (n, 2) around the node at 0 with linear shape functions, and what their bodies say."""
+    n = len(x)
+    neighbours = allocate_neighbours(2, n, False, False, True)
+    neighbours.x[:], neighbours.side[:], neighbours.volume[:] = np.transpose(x), side, 0.25
+    neighbours.S[:] = np.prod(np.maximum(1 - np.abs(x), 0), axis=1)
+    neighbours.outward[:] = np.transpose(outward)
+    return neighbours
+
+
+def normal_of(neighbours, rigid=True):
+    out = np.zeros(2)
+    count = len(neighbours.side)
+    return out if rigid_surface(AXES, neighbours.outward, neighbours, count, rigid, out) else None
+
+
+def test_a_round_surface_has_its_normal_at_the_node_whatever_particles_it_sees():
+    """A disk of radius 5 with its centre at (3, -4.5): every particle alone says what all say together."""
+    center = np.array([3.0, -4.5])
+    soft = [[-0.5, 0.6], [0.2, 0.7]]
+    hard = np.array([[0.1, -0.5], [0.6, -0.2], [0.8, -0.9]])
+    for chosen in ([0], [1], [2], [0, 1, 2]):
+        arms = hard[chosen] - center
+        r = np.linalg.norm(arms, axis=1)[:, None]
+        outward = np.concatenate([arms / r, 1 / r], axis=1)
+        neighbours = neighbours_of(
+            [*soft, *hard[chosen]], [-1.0, -1.0] + [1.0] * len(chosen), [[0.0] * 3] * 2 + list(outward)
+        )
+        assert normal_of(neighbours) == pytest.approx(center / np.linalg.norm(center), abs=1e-14)
+
+
+def test_a_thin_plate_shows_the_side_that_the_other_body_is_on():
+    plate = [[0.2, 0.25], [0.2, -0.25]]
+    says = [[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]]
+    for y in (0.7, -0.7):
+        neighbours = neighbours_of([[-0.4, y], *plate], [-1.0, 1.0, 1.0], [[0.0] * 3, *says])
+        assert normal_of(neighbours) == pytest.approx([0.0, -np.sign(y)])
+
+
+def test_where_no_surface_says_anything_the_method_is_asked():
+    inner = neighbours_of([[0.1, 0.4], [0.1, -0.4]], [-1.0, 1.0], [[0.0] * 3] * 2)
+    assert normal_of(inner) is None
+    cancel = [
+        [0.0] * 3,
+        [1.0, 0.1, 0.0],
+        [-1.0, -0.1, 0.0],
+    ]  # both face the other body, from the sides of a gap
+    gap = neighbours_of([[0.0, 0.0], [-0.5, 0.0], [0.5, 0.0]], [-1.0, 1.0, 1.0], cancel)
+    assert normal_of(gap) is None
+    gap.outward[1] = [0.0, 0.3, 0.3]
+    assert normal_of(gap) is not None
+    assert normal_of(gap, rigid=False) is None
+    assert not rigid_surface(AXES, None, gap, 3, True, np.zeros(2))
+
+
+TURNING = """
+version: 1
+analysis: {kind: plane_strain}
+grid: {lower: [-8, -8], upper: [8, 8], cell: 1}
+method: {shape: ugimp, transfer: {kind: flip}}
+materials: {soft: {kind: neo_hookean, density: 1, E: 10, nu: 0.3}, steel: {kind: rigid}}
+bodies:
+  - {name: block, material: soft, region: {kind: box, lower: [-2, 5], upper: [2, 7]}}
+  - name: cam
+    material: steel
+    region: {kind: ellipse, center: [0, 0], semi_axes: [3, 5]}
+    velocity: ["-0.5*y", "0.5*x"]
+contact: {law: {kind: coulomb, friction: 0.2}, normal: {kind: logistic_regression, rigid_normal: surface}}
+time: {end: 10, step: 0.02}
+"""
+
+
+def test_normals_turn_with_the_body(plain_python):
+    with plain_python():
+        s = Simulation(load_scene(TURNING))
+        start = s.particles.outward[:, np.argsort(s.particles.id)].copy()
+        for _ in range(10):
+            s.step()
+    found = s.particles.outward[:, np.argsort(s.particles.id)]
+    angle = 0.5 * s.time
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    rigid = start.any(axis=0)
+    assert rigid.sum() > 60
+    np.testing.assert_allclose(found[:2], turn @ start[:2], atol=1e-4)
+    np.testing.assert_array_equal(found[2], start[2])
+    c = s.contact.contacts
+    assert c.count > 0
+    assert (c.geometry.status[: c.count] == 0).all()
+
+
+def test_a_mirror_image_has_the_mirrored_surface(plain_python):
+    """Half a cam on a symmetry plane meets half a block as a whole one meets a whole one."""
+    half = TURNING.replace("lower: [-8, -8]", "lower: [0, -8]").replace("lower: [-2, 5]", "lower: [0, 5]")
+    cam = "{kind: ellipse, center: [0, 0], semi_axes: [3, 5]}"
+    side = f"{{kind: intersection, regions: [{cam}, {{kind: half_space, point: [0, 0], normal: [-1, 0]}}]}}"
+    half = half.replace('["-0.5*y", "0.5*x"]', "[0, 1]").replace(cam, side) + (
+        "boundary: [{name: middle, kind: symmetry, plane: {axis: x, at: 0}}]\n"
+    )
+    whole = TURNING.replace('["-0.5*y", "0.5*x"]', "[0, 1]")
+    with plain_python():
+        runs = [Simulation(load_scene(text)) for text in (half, whole)]
+        for s in runs:
+            for _ in range(5):
+                s.step()
+    (X, V), (Y, W) = (
+        (np.round(p.X[:, keep], 9), p.V[:, keep])
+        for p in (s.particles for s in runs)
+        for keep in [(p.body == 0) & (p.X[0] > 0)]
+    )
+    one, two = np.lexsort(X), np.lexsort(Y)
+    np.testing.assert_allclose(X[:, one], Y[:, two], atol=1e-8)
+    np.testing.assert_allclose(V[:, one], W[:, two], atol=1e-12)
+    assert np.abs(V).max() > 0.01
+
+
+def problems_of(*changes):
+    text = TURNING
+    for before, after in changes:
+        assert before in text
+        text = text.replace(before, after)
+    try:
+        return list(load_scene(text).warnings)
+    except SceneError as error:
+        return list(error.problems)
+
+
+def test_what_scenes_say_about_surfaces():
+    assert problems_of() == []
+    (useless,) = problems_of(("rigid_normal: surface", "rigid_normal: surface, rigid_bias: 10"))
+    assert (useless.path, useless.severity) == ("contact.normal.rigid_bias", "warning")
+    assert "surface of the rigid body gives the normal" in useless.message
+    rest = [("material: steel", "material: soft"), (", steel: {kind: rigid}", "")]
+    (none,) = problems_of(*rest)
+    assert (none.path, none.severity) == ("contact.normal.rigid_normal", "warning")
+    assert "no body is rigid" in none.message
+
+
+def test_what_contact_does_not_use_is_not_found():
+    without = load_scene(TURNING.replace("{kind: coulomb, friction: 0.2}", "{kind: perfect}"))
+    assert Simulation(without).particles.outward is None
+    assert Simulation(load_scene(TURNING.replace(", rigid_normal: surface", ""))).particles.outward is None

@@ -1,0 +1,90 @@
+"""Normals and curvatures of surfaces at the particles beneath: closed forms, seams, sides of the grid."""
+
+import numpy as np
+import pytest
+
+from mpmcli.core.grid import Grid
+from mpmcli.geometry import REGIONS
+from mpmcli.geometry.outward import REACH, outward_normals
+
+
+def grid_of(d, low=-12.0, high=12.0, periodic=()):
+    return Grid(np.full(d, low), np.full(d, high), np.ones(d), 2, 2, fields=1, periodic=periodic)
+
+
+def found(region, grid):
+    """Particles of a region, two per cell and axis; their normals and curvatures."""
+    d = len(grid.cell)
+    region = REGIONS[region["kind"]].model_validate(region)
+    x = np.arange(grid.lower[0] + 0.25, grid.upper[0], 0.5)
+    X = np.stack(np.meshgrid(*[x] * d, indexing="ij")).reshape(d, -1)
+    X = X[:, region.contains(X)]
+    outward = outward_normals(region.contains, X, grid)
+    return X, outward[:-1], outward[-1]
+
+
+@pytest.mark.parametrize("kind", ["disk", "sphere"])
+def test_round_bodies(kind):
+    """Radial normals and 1/r, but near the centre, from where no surface is to be seen."""
+    d, R = {"disk": 2, "sphere": 3}[kind], 8
+    center = np.array([0.13, 0.21, -0.3])[:d, None]
+    X, n, curvature = found({"kind": kind, "center": center.ravel().tolist(), "radius": R}, grid_of(d))
+    r = np.linalg.norm(X - center, axis=0)
+    assert not n[:, r < R - REACH - 0.1].any()
+    outer = r > R - 1.5
+    np.testing.assert_allclose(n[:, outer], ((X - center) / r)[:, outer], atol=4e-3)
+    np.testing.assert_allclose((curvature * r)[outer], 1.0, rtol=1e-2)
+
+
+def test_hole():
+    X, n, curvature = found({"kind": "disk", "center": [0, 0], "radius": 11, "inner_radius": 5}, grid_of(2))
+    r = np.linalg.norm(X, axis=0)
+    inner = r < 6.5
+    np.testing.assert_allclose(n[:, inner], -(X / r)[:, inner], atol=4e-3)
+    np.testing.assert_allclose((curvature * r)[inner], -1.0, rtol=1e-2)
+
+
+@pytest.mark.parametrize("normal", [[0.3, 0.7], [-0.2, 0.5, 0.9], [-2.0]])
+def test_planes_are_exact(normal):
+    d = len(normal)
+    X, n, curvature = found({"kind": "half_space", "point": [0.1] * d, "normal": normal}, grid_of(d))
+    exact = np.array(normal) / np.linalg.norm(normal)
+    inside = (np.abs(X) < 8.0).all(
+        axis=0
+    )  # behind a side of the grid an inclined plane goes on as its mirror image
+    seen = inside & (n != 0.0).any(axis=0)
+    assert seen.sum() > (0 if d == 1 else 15)
+    np.testing.assert_allclose(n[:, seen], np.broadcast_to(exact[:, None], n.shape)[:, seen], atol=1e-6)
+    np.testing.assert_allclose(curvature[seen], 0.0, atol=1e-5)
+
+
+@pytest.mark.parametrize("periodic", [(), (0,)])
+def test_sides_of_the_grid_are_no_surface(periodic):
+    """A floor from side to side has one normal, also where a side is nearer than the surface."""
+    grid = grid_of(2, periodic=periodic)
+    X, n, _ = found({"kind": "box", "lower": [-12, -12], "upper": [12, 0]}, grid)
+    top = X[1] > -2.0
+    np.testing.assert_allclose(n[:, top], np.array([[0.0], [1.0]]) + 0 * X[:, top], atol=1e-7)
+    assert not n[:, X[1] < -REACH].any()
+
+
+def test_seams_are_no_surface():
+    halves = [{"kind": "box", "lower": [x, -6], "upper": [x + 6, 0]} for x in (-6, 0)]
+    X, n, _ = found({"kind": "union", "regions": halves}, grid_of(2))
+    near = (np.abs(X[0]) < 2.0) & (X[1] > -2.0)
+    np.testing.assert_allclose(n[:, near], np.array([[0.0], [1.0]]) + 0 * X[:, near], atol=1e-7)
+
+
+def test_corner_of_a_box_is_symmetric():
+    X, n, _ = found({"kind": "box", "lower": [-6, -6], "upper": [6, 6]}, grid_of(2))
+    at = {tuple(x): v for x, v in zip(X.T, n.T, strict=True)}
+    np.testing.assert_allclose(at[5.75, 5.75], np.sqrt([0.5, 0.5]), atol=1e-7)
+    np.testing.assert_allclose(at[5.75, 0.25], [1.0, 0.0], atol=1e-7)
+    for (x, y), v in at.items():
+        np.testing.assert_allclose(at[y, x], v[::-1], atol=1e-7)
+        np.testing.assert_allclose(at[-x, y], v * [-1.0, 1.0], atol=1e-7)
+
+
+def test_thin_plates_have_two_surfaces():
+    X, n, _ = found({"kind": "box", "lower": [-12, 0], "upper": [12, 1]}, grid_of(2))
+    np.testing.assert_allclose(n[1], np.where(X[1] > 0.5, 1.0, -1.0), atol=1e-7)
