@@ -473,7 +473,7 @@ def test_kernels_compute_what_python_does(compiled, words, d, parallel):
         neighbours = neighbours._replace(displacement=None, radius_inverse=None)
     n = np.array([unit(row) for row in random.normal(size=(5, d))])
     distances, gaps = np.zeros((5, 2)), np.zeros(5)
-    compiled[parallel](parameters_of(words, d), (0.0,) * d, *neighbours, n, distances, gaps)
+    compiled[parallel](parameters_of(words, d), (0.0,) * d, *neighbours[:-1], n, distances, gaps)
     for j in range(5):
         expected = separate(words, neighbours, n[j], 1.3)
         np.testing.assert_allclose((gaps[j], *distances[j]), expected, rtol=1e-13, atol=1e-13)
