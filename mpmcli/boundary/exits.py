@@ -19,6 +19,8 @@ Array = np.ndarray
 
 MOST_OVERRUN = 1.0 - 1e-6
 """Cells that particles may be beyond a held side: the order of particles and nodes in use allow for one."""
+STOPPED = 1e-9
+"""Cells from a side at which particles stop: on a grid line ``linear`` has gradients at nodes without mass."""
 
 
 def held_sides(conditions: Iterable[Any], grid: Grid) -> dict[tuple[int, int], str]:
@@ -112,7 +114,8 @@ class Exits:
 
     def _stop(self, gone: Array, low: Array, high: Array) -> None:
         p, grid = self._particles, self._grid
-        p.X[:, gone] = np.clip(p.X[:, gone], grid.lower[:, None], grid.upper[:, None])
+        inside = (STOPPED * grid.cell)[:, None]
+        p.X[:, gone] = np.clip(p.X[:, gone], grid.lower[:, None] + inside, grid.upper[:, None] - inside)
         matter = self._without_rigid(gone)
         before = self._kinetic_energy(matter)
         outward = (low & (p.V[:, gone] < 0.0)) | (high & (p.V[:, gone] > 0.0))

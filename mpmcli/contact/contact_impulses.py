@@ -280,22 +280,24 @@ class ContactImpulses(Correction, ABC):
         laws = [which for which in laws if not self._skipped[which]]
         takes_turns = len(laws) > 1 or any(self._of_interface[which] for which in laws)
         rounds = 1 if takes_turns else coupled_pairs.ROUNDS
+        last = np.zeros(len(changed))
         for turn in (0, *range(1, coupled_pairs.ROUNDS + 1, rounds)):
-            change = size = 0.0
             for which in laws:
                 if self._of_interface[which]:
-                    moved, whole = self.interfaces.find_pair_impulses(which, here, changed, turn)
+                    self.interfaces.find_pair_impulses(which, here, changed, turn)
                 else:
-                    moved, whole = coupled_pairs.find_pair_impulses(
+                    coupled_pairs.find_pair_impulses(
                         self._parameters[which], self._axes, which, c.fields, c.begin, changed, turn,
-                        rounds if turn > 0 else 1, c.table, c.geometry, c.rows, here, mp, self._grid.f,
+                        rounds if turn > 0 else 1, None if takes_turns else last, c.table, c.geometry, c.rows, here, mp,
+                        self._grid.f,
                     )  # fmt: skip
-                change, size = change + moved, size + whole
             if turn == 0:
                 most = len(c.fields.pair) if self._ways.coupled else 2
                 if not coupled_pairs.choose_pairs(c.fields, c.begin, most, c.rows.state, changed):
                     break
-            elif change <= coupled_pairs.CONVERGED * size:
+            elif takes_turns and coupled_pairs.end_round(
+                self._axes, c.fields, c.begin, changed, turn, last, c.rows
+            ):
                 break
         coupled_pairs.finish_pairs(self._axes, c.count, c.fields, c.begin, changed, c.rows, here, mp)
 

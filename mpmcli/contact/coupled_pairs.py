@@ -14,20 +14,23 @@ from mpmcli.core.compiled.kernel import called_once, inline
 
 Array = np.ndarray
 
-ROUNDS = 40
-"""Most rounds in which pairs that share a field take turns; each round shrinks what is left by a mass ratio."""
+ROUNDS = 100
+"""Most rounds in which pairs that share a field take turns, no multiple of ``EXTRAPOLATES``."""
+
+EXTRAPOLATES = 3
+"""Rounds between two extrapolations."""
 
 LEFT_OUT = -1
 """Instead of the last round in which impulses at a node changed: its pairs do not act."""
 
 CONVERGED = 1e-14
-"""Rounds end when the impulses of all pairs together change by less than this share."""
+"""A node is settled when its impulses change by no more than this share."""
 
 
 @called_once
 def start_pairs(axes, count, fields, nodes, geometry, rows, here, mp, v):
     """Δp_α(0) of every pair by itself into ``rows.dp0``, with the total of earlier FMPM increments; clears
-    ``rows.total``.
+    ``rows.total`` and ``rows.dp``.
 
     ``here`` is a ``impulses.Place``.
     """
@@ -44,7 +47,7 @@ def start_pairs(axes, count, fields, nodes, geometry, rows, here, mp, v):
                 dp0[a] += rows.prior[k, a]
             else:
                 rows.separation_now[k] += dp0[a] * normal[a] * here.advance / reduced
-            rows.total[k, a] = 0.0
+            rows.total[k, a] = rows.dp[k, a] = 0.0
         if here.drives:
             for a in range(len(axes)):
                 dp0[a] -= rows.drive[k] * normal[a]
@@ -52,43 +55,40 @@ def start_pairs(axes, count, fields, nodes, geometry, rows, here, mp, v):
 
 @called_once
 def find_pair_impulses(
-    law, axes, which, fields, begin, changed, first, rounds, nodes, geometry, rows, here, mp, f
+    law, axes, which, fields, begin, changed, first, rounds, last, nodes, geometry, rows, here, mp, f
 ):  # fmt: skip
-    """Find the impulses ``rows.total`` of all pairs that law ``which`` governs; ``dp`` and ``found`` are scratch.
+    """Find the impulses ``rows.total`` of all pairs that law ``which`` governs; ``found`` is scratch.
 
     Round 0 takes each pair by itself. Later ones take those of the nodes that ``choose_pairs`` has chosen, each on what
     the others at its node do to it; of them so many ``rounds`` from ``first`` on, or fewer if impulses converge.
-    ``changed`` (slots,) is the last round in which impulses at a node changed.
-
-    Returns by how much totals changed in the last round and how large they are, sums of magnitudes.
+    ``changed`` (slots,) is the last round in which impulses at a node changed, ``last`` (slots,) or None belongs to
+    ``end_round``, which ends the rounds of a single law here.
     """
-    change, size = 0.0, 0.0
     for turn in range(first, first + rounds):
-        change, size = 0.0, 0.0
+        all_settled = True
         for slot in range(len(changed)):
-            if is_left_out(slot, changed, turn):
+            if is_settled(slot, changed, turn):
                 continue
-            settled = is_settled(slot, changed, turn)
+            all_settled = False
             for k in range(begin[slot], begin[slot + 1]):
                 if not fields.pair[k] or fields.law[k] != which:
                     continue
-                if not settled:
-                    wanted = rows.dp[k]
-                    reduced = wanted_by_pair(axes, k, fields, begin, turn > 0, rows, mp, wanted)
-                    if here.after_forces and is_soft(law):
-                        rows.push[k] = normal_force(
-                            axes, fields.alpha[k], fields.first[k], fields.last[k], False, nodes, mp, f,
-                            geometry.normal[k],
-                        )  # fmt: skip
-                    rows.state[k] = impulse_of(
-                        law, axes, wanted, geometry.normal[k], geometry.separation[k], rows.separation_now[k],
-                        rows.push[k], geometry.area[k], reduced, here, geometry.bond[k], rows.found[k],
+                wanted = rows.dp[k]
+                reduced = wanted_by_pair(axes, k, fields, begin, turn > 0, rows, mp, wanted)
+                if here.after_forces and is_soft(law):
+                    rows.push[k] = normal_force(
+                        axes, fields.alpha[k], fields.first[k], fields.last[k], False, nodes, mp, f,
+                        geometry.normal[k],
                     )  # fmt: skip
-                    change += take_total(axes, k, slot, changed, turn, rows)
-                size += magnitude(axes, rows.total[k])
-        if change <= CONVERGED * size:
+                rows.state[k] = impulse_of(
+                    law, axes, wanted, geometry.normal[k], geometry.separation[k], rows.separation_now[k],
+                    rows.push[k], geometry.area[k], reduced, here, geometry.bond[k], rows.found[k],
+                )  # fmt: skip
+                take_total(axes, k, rows)
+            if turn > 0 and last is not None:
+                end_round_at(axes, slot, fields, begin, changed, turn, last, rows)
+        if all_settled:
             break
-    return change, size
 
 
 @inline
@@ -101,14 +101,8 @@ def magnitude(axes, a):
 
 
 @inline
-def is_left_out(slot, changed, turn):
-    """Return whether the pairs of a node are not chosen."""
-    return turn > 0 and changed[slot] == LEFT_OUT
-
-
-@inline
 def is_settled(slot, changed, turn):
-    """Return whether no impulse at a node has changed in the round before, so that none will."""
+    """Return whether no impulse at a node has changed in the round before, so that none will, or it is left out."""
     return turn > 0 and changed[slot] < turn - 1
 
 
@@ -135,15 +129,45 @@ def wanted_by_pair(axes, k, fields, begin, coupled, rows, mp, wanted):
 
 
 @inline
-def take_total(axes, k, slot, changed, turn, rows):
-    """Let ``rows.total`` of a pair be ``rows.found``; returns by how much it changed, a sum of magnitudes."""
-    change = 0.0
+def take_total(axes, k, rows):
+    """Let ``rows.total`` of a pair be ``rows.found``, and ``rows.dp`` by how much that changes it."""
     for a in range(len(axes)):
-        change += abs(rows.found[k, a] - rows.total[k, a])
+        rows.dp[k, a] = rows.found[k, a] - rows.total[k, a]
         rows.total[k, a] = rows.found[k, a]
-    if change != 0.0:
+
+
+@inline
+def end_round_at(axes, slot, fields, begin, changed, turn, last, rows):
+    """Note whether a round changed the impulses of a node; now and then extrapolate them.
+
+    What is left shrinks by nearly the same ratio from round to round, slowly where a light field is between heavy
+    ones (Aitken 1926). ``last`` (slots,) is the change of the round before.
+    """
+    change, size = 0.0, 0.0
+    for k in range(begin[slot], begin[slot + 1]):
+        if fields.pair[k]:
+            change += magnitude(axes, rows.dp[k])
+            size += magnitude(axes, rows.total[k])
+    if change > CONVERGED * size:
         changed[slot] = turn
-    return change
+        if turn % EXTRAPOLATES == 0 and change < last[slot]:
+            ahead = change / (last[slot] - change)
+            for k in range(begin[slot], begin[slot + 1]):
+                for a in range(len(axes)):
+                    if fields.pair[k]:
+                        rows.total[k, a] += ahead * rows.dp[k, a]
+    last[slot] = change
+
+
+@called_once
+def end_round(axes, fields, begin, changed, turn, last, rows):
+    """``end_round_at`` all nodes, once the pairs of all laws have had their turn; returns whether all are settled."""
+    all_settled = True
+    for slot in range(len(changed)):
+        if not is_settled(slot, changed, turn):
+            end_round_at(axes, slot, fields, begin, changed, turn, last, rows)
+            all_settled = all_settled and changed[slot] < turn
+    return all_settled
 
 
 @called_once

@@ -114,7 +114,8 @@ class NodalContact(ContactImpulses):
     def _planes(self) -> list[tuple[int, int]]:
         mirror, grid = self._mirror, self._grid
         planes: list[tuple[int, int]] = [] if mirror is None else mirror.lines()
-        if self._ring and grid.lower[0] == 0.0:
+        is_hollow = any(axis == 0 and is_lower for axis, _, is_lower in grid.mirrors)
+        if self._ring and grid.lower[0] == 0.0 and not is_hollow:  # no matter reaches the axis behind a plane
             planes.append((0, grid.pad))
         return planes
 

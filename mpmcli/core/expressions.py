@@ -213,7 +213,7 @@ def _syntax(text: str) -> ast.expr:
     if len(text) > MAX_LENGTH:
         raise ValueError(f"the expression has {len(text)} characters; at most {MAX_LENGTH} are allowed")
     if re.match(r"\s*[+-]?\d+,\d", text):
-        raise ValueError(f"'{text}' has a decimal comma; write a point")
+        raise ValueError(f"'{text}' has a comma; decimals have a point, and lists brackets and no quotes")
     try:
         with warnings.catch_warnings(action="ignore"):
             return ast.parse(text.strip(), mode="eval").body

@@ -85,14 +85,13 @@ class FaceInterfaces:
             self._jumps, here, self._acts, False, grid.mp, grid.f, v,
         )  # fmt: skip
 
-    def find_pair_impulses(self, which: int, here: Place, changed: Array, turn: int) -> tuple[float, float]:
+    def find_pair_impulses(self, which: int, here: Place, changed: Array, turn: int) -> None:
         """Impulses of the pairs of law ``which`` at nodes where a side has several bodies."""
         c, grid = self._contacts, self._grid
-        found: tuple[float, float] = impulses.find_pair_impulses(
+        impulses.find_pair_impulses(
             self._laws[which], self._closed[which], AXES, which, c.count, c.fields, c.begin, changed, turn, c.table,
             c.geometry, c.rows, self._jumps, here, self._acts, False, grid.mp, grid.f,
         )  # fmt: skip
-        return found
 
     def close(self, after: Array, weight: Array, dt: float) -> None:
         """Account for a step; ``after`` (k, 2) are the relative velocities at its end, ``weight`` (k,) real shares."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 from mpmcli.contact import increments
-from mpmcli.contact.coupled_pairs import is_left_out, is_settled, magnitude, take_total, wanted_by_pair
+from mpmcli.contact.coupled_pairs import is_settled, take_total, wanted_by_pair
 from mpmcli.contact.fields_in_contact import is_rigid
 from mpmcli.contact.impulses import relative_momentum, share_of_work
 from mpmcli.contact.laws.impulse import TINIEST, dot, is_soft, law_impulse, law_impulse_at_end, leave
@@ -154,25 +154,20 @@ def find_pair_impulses(
     oscillates, mp, f,
 ):  # fmt: skip
     """``contact.coupled_pairs.find_pair_impulses``, one round, for the pairs that interface law ``which`` governs."""
-    change, size = 0.0, 0.0
     for k in range(count):
-        slot = fields.slot[k]
-        if not fields.pair[k] or fields.law[k] != which or is_left_out(slot, changed, turn):
+        if not fields.pair[k] or fields.law[k] != which or is_settled(fields.slot[k], changed, turn):
             continue
-        if not is_settled(slot, changed, turn):
-            wanted, found = rows.dp[k], rows.found[k]
-            reduced = wanted_by_pair(axes, k, fields, begin, turn > 0, rows, mp, wanted)
-            if here.after_forces:
-                alpha, first, last = fields.alpha[k], fields.first[k], fields.last[k]
-                relative_force(axes, alpha, first, last, False, nodes, mp, f, jumps.force[k])
-            rows.state[k] = joint_impulse(
-                law, closed, axes, wanted, geometry.normal[k], geometry.area[k], geometry.separation[k],
-                rows.separation_now[k], jumps.jump[k], jumps.aside[k], jumps.mass[k], jumps.force[k],
-                jumps.history[k], reduced, here, acts, oscillates, found,
-            )  # fmt: skip
-            change += take_total(axes, k, slot, changed, turn, rows)
-        size += magnitude(axes, rows.total[k])
-    return change, size
+        wanted, found = rows.dp[k], rows.found[k]
+        reduced = wanted_by_pair(axes, k, fields, begin, turn > 0, rows, mp, wanted)
+        if here.after_forces:
+            alpha, first, last = fields.alpha[k], fields.first[k], fields.last[k]
+            relative_force(axes, alpha, first, last, False, nodes, mp, f, jumps.force[k])
+        rows.state[k] = joint_impulse(
+            law, closed, axes, wanted, geometry.normal[k], geometry.area[k], geometry.separation[k],
+            rows.separation_now[k], jumps.jump[k], jumps.aside[k], jumps.mass[k], jumps.force[k],
+            jumps.history[k], reduced, here, acts, oscillates, found,
+        )  # fmt: skip
+        take_total(axes, k, rows)
 
 
 @kernel

@@ -151,14 +151,13 @@ class Interfaces:
             key=which,
         )  # fmt: skip
 
-    def find_pair_impulses(self, which: int, here: Place, changed: Array, turn: int) -> tuple[float, float]:
+    def find_pair_impulses(self, which: int, here: Place, changed: Array, turn: int) -> None:
         """Impulses of the pairs of law ``which`` at nodes of three or more fields."""
         c, grid = self._contacts, self._grid
-        found: tuple[float, float] = impulses.find_pair_impulses(
+        impulses.find_pair_impulses(
             self._law[which], self._closed[which], self._axes, which, c.count, c.fields, c.begin, changed, turn,
             c.table, c.geometry, c.rows, self.jumps, here, self._acts, self._oscillates, grid.mp, grid.f,
         )  # fmt: skip
-        return found
 
     def close(self, after: Array, shares: Array, dt: float) -> None:
         """Account for a step: energies, jumps and tractions of every pair, histories of particles.

@@ -7,13 +7,15 @@ from pydantic import model_validator
 
 from mpmcli.core.model import Density, Quantity
 from mpmcli.core.rows import log, sqrt
-from mpmcli.materials.base import MATERIALS, bulk_speed_squared, kirchhoff_stress
+from mpmcli.materials.base import MATERIALS, bulk_speed_squared, kirchhoff_stress, wave_speed_squared
 from mpmcli.materials.elastic_constants import ElasticModel
 from mpmcli.materials.hencky import (
     HISTORY,
+    LAST,
     double_contraction,
     elastic_volume,
     hencky_plastic,
+    hencky_stiffness,
     keep_plastic,
     keep_tensor,
     split_strain,
@@ -126,6 +128,13 @@ for _Grains in GRAINS.values():
             H[OPENING, p] = 0.0
         g = 2.0 * G * scale
         return g * e[0] - pressure, g * e[1] - pressure, g * e[2] - pressure, g * e[3], g * e[4], g * e[5]
+
+    @wave_speed_squared.register(_Grains)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        # friction grows with the pressure: where grains flow, K + √2 μ K x + 2G(2/3 - x²) with x = n·s·n/|s|
+        x = min(math.sqrt(2.0 / 3.0), m.mu_2 * m.bulk / (math.sqrt(8.0) * m.shear))
+        stiffer = x * (math.sqrt(2.0) * m.mu_2 * m.bulk - 2.0 * m.shear * x) if H[LAST, p] > 0.0 else 0.0
+        return (hencky_stiffness(m, H, p) + stiffer) / m.density
 
     @bulk_speed_squared.register(_Grains)
     def _(m: Any, F: Any, H: Any, p: Any) -> Any:

@@ -103,6 +103,12 @@ def hencky_energy(m: Any, H: Any, p: Any) -> float:
 
 
 @inline
+def hencky_stiffness(m: Any, H: Any, p: Any) -> float:
+    """ρ₀c² = K + 4G/3 − τ of particle ``p``, of τ only the mean [pressure]."""
+    return m.bulk + 4.0 / 3.0 * m.shear - m.bulk * min(0.0, elastic_volume(m, H, p))
+
+
+@inline
 def keep_plastic(H: Any, p: Any, strain: float, work: float) -> None:
     """Add a step's equivalent plastic strain and plastic work."""
     H[STRAIN, p] += strain
@@ -132,8 +138,6 @@ def hencky_plastic(name: str, fields: tuple[str, ...], module: str) -> dict[bool
 
         @wave_speed_squared.register(made)
         def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-            # ρ₀c² = K + 4G/3 - τ; of τ only the mean
-            stiffer = -m.bulk * min(0.0, elastic_volume(m, H, p))
-            return m.lateral * (m.bulk + 4.0 / 3.0 * m.shear + stiffer) / m.density
+            return m.lateral * hencky_stiffness(m, H, p) / m.density
 
     return found

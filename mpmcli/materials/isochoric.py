@@ -4,6 +4,7 @@ W = ½G(I₁ J^(-2/3) − 3), τ = G J^(-2/3) dev(F Fᵀ): the first term of Eq.
 (2020).
 """
 
+import math
 from typing import Any
 
 from mpmcli.core.compiled.kernel import inline
@@ -35,6 +36,25 @@ def isochoric_stiffness(shear: float, F: Any, J: float) -> float:
     g = shear * exponential_1d(-2.0 / 3.0 * logarithm(J))
     smallest = max(0.0, smallest_eigenvalue_bound(b))
     return g * (5.0 / 9.0 * (b[0] + b[1] + b[2]) - smallest / 3.0)
+
+
+FREE_WIDTHS = {"plane_stress": 1.0, "uniaxial_stress": 2.0}
+"""Number of free widths of an analysis, where there are any."""
+
+
+@inline
+def growth_of_thin(free: float, b: Any, own: float, across: float) -> float:
+    """By what ρ₀c² of sheets and bars has grown since rest, over the shear modulus; 0 without ``free`` widths.
+
+    An incompressible W = ½G tr b has ρ₀c² = G(λᵢ² + 3 λ_z²) along axis i of a sheet and G(λ_x² + 2 λ_z²) in a bar:
+    ``own`` times the largest component in the plane and ``across`` times that across it.
+    """
+    if free == 0.0:
+        return 0.0
+    largest = b[0]
+    if free == 1.0:
+        largest = 0.5 * (b[0] + b[1]) + math.sqrt(0.25 * (b[0] - b[1]) * (b[0] - b[1]) + b[3] * b[3])
+    return own * (largest - 1.0) + across * (b[2] - 1.0)
 
 
 @inline

@@ -26,7 +26,7 @@ from mpmcli.materials.base import (
 )
 from mpmcli.materials.defaults import with_defaults
 from mpmcli.materials.elastic_constants import lateral_factor, wave_modulus
-from mpmcli.materials.isochoric import isochoric_lateral_stress
+from mpmcli.materials.isochoric import FREE_WIDTHS, growth_of_thin, isochoric_lateral_stress
 from mpmcli.materials.lateral import lateral_stress, shared_by_trials
 from mpmcli.materials.own_numbers import with_own_numbers
 from mpmcli.materials.volumetric import FORMS, volumetric_energy, volumetric_stiffness, volumetric_stress
@@ -76,6 +76,7 @@ class MooneyRivlin(MaterialModel):
             density=self.density,
             rest2=self.initial_wave_speed(analysis) ** 2,
             lateral=lateral_factor(self._lame, self.shear_modulus, analysis),
+            free=FREE_WIDTHS.get(analysis, 0.0),
         )
 
     def initial_wave_speed(self, analysis: str) -> float:
@@ -102,6 +103,8 @@ class RubberNumbers(NamedTuple):
     """Square of the wave speed at rest [velocity²]."""
     lateral: float
     """Wave stiffness of the analysis over that of uniaxial strain."""
+    free: float
+    """Number of free widths: 1 of sheets, 2 of bars."""
 
 
 @inline
@@ -167,7 +170,10 @@ def _(m: Any, F: Any, H: Any, p: Any) -> Any:
     first = 5.0 / 9.0 * (b[0] + b[1] + b[2]) - max(0.0, smallest_eigenvalue_bound(b)) / 3.0
     second = 5.0 / 3.0 * largest_eigenvalue_bound(c) - (c[0] + c[1] + c[2]) / 9.0
     stiffness = volumetric_stiffness(m.form, m.bulk, J) + m.G1 * first + m.G2 * second
-    return max(m.rest2, m.lateral * stiffness / m.density)
+    # W = ½G₂ tr b⁻¹ has ρ₀c² = G₂(3 λᵢ⁻² + λ_z⁻²) along axis i of a sheet and 3 G₂ λ_x⁻² in a bar
+    grown = m.G1 * growth_of_thin(m.free, b, 1.0, 4.0 - m.free)
+    grown += m.G2 * growth_of_thin(m.free, c, 3.0, 2.0 - m.free)
+    return max(m.rest2, m.lateral * stiffness / m.density, m.rest2 + grown / m.density)
 
 
 @bulk_speed_squared.register(RubberNumbers)

@@ -16,6 +16,8 @@ from mpmcli.materials.base import (
 from mpmcli.materials.defaults import with_defaults
 from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
 from mpmcli.materials.isochoric import (
+    FREE_WIDTHS,
+    growth_of_thin,
     isochoric_energy,
     isochoric_lateral_stress,
     isochoric_stiffness,
@@ -73,6 +75,7 @@ class NeoHookean(ElasticModel):
             self.density,
             self.initial_wave_speed(analysis) ** 2,
             lateral_factor(self.lame_modulus, self.shear_modulus, analysis),
+            FREE_WIDTHS.get(analysis, 0.0),
         )
         return IsochoricNeoHookean(*numbers) if isochoric else CoupledNeoHookean(*numbers)
 
@@ -93,6 +96,8 @@ class CoupledNeoHookean(NamedTuple):
     """Square of the wave speed at rest [velocity²]."""
     lateral: float
     """Wave stiffness of the analysis over that of uniaxial strain."""
+    free: float
+    """Number of free widths: 1 of sheets, 2 of bars."""
 
 
 @with_own_numbers
@@ -106,6 +111,7 @@ class IsochoricNeoHookean(NamedTuple):
     density: float
     rest2: float
     lateral: float
+    free: float
 
 
 @kirchhoff_stress.register(CoupledNeoHookean)
@@ -147,9 +153,11 @@ def _(m: Any, F: Any, H: Any, p: Any) -> Any:
 @wave_speed_squared.register(CoupledNeoHookean)
 def _(m: Any, F: Any, H: Any, p: Any) -> Any:
     # principal axis i: ρ₀ c² = ∂τᵢ/∂(ln λᵢ) - τᵢ = volumetric + G(λᵢ² + 1)
-    shear = m.shear * (largest_eigenvalue_bound(left_cauchy_green(F)) + 1.0)
+    b = left_cauchy_green(F)
+    shear = m.shear * (largest_eigenvalue_bound(b) + 1.0)
     stiffness = volumetric_stiffness(m.form, m.modulus, determinant(F)) + shear
-    return max(m.rest2, m.lateral * stiffness / m.density)
+    grown = m.shear * growth_of_thin(m.free, b, 1.0, 4.0 - m.free)
+    return max(m.rest2, m.lateral * stiffness / m.density, m.rest2 + grown / m.density)
 
 
 @bulk_speed_squared.register(CoupledNeoHookean)
@@ -199,7 +207,9 @@ def _(m: Any, F: Any, H: Any, p: Any) -> Any:
 def _(m: Any, F: Any, H: Any, p: Any) -> Any:
     J = determinant(F)
     stiffness = volumetric_stiffness(m.form, m.modulus, J) + isochoric_stiffness(m.shear, F, J)
-    return max(m.rest2, m.lateral * stiffness / m.density)
+    b, s = left_cauchy_green(F), exponential_1d(-2.0 / 3.0 * logarithm(J))
+    grown = m.shear * growth_of_thin(m.free, (s * b[0], s * b[1], s * b[2], s * b[3]), 1.0, 4.0 - m.free)
+    return max(m.rest2, m.lateral * stiffness / m.density, m.rest2 + grown / m.density)
 
 
 @bulk_speed_squared.register(IsochoricNeoHookean)

@@ -65,6 +65,12 @@ def _of_folder(directory: Path) -> Iterator[str]:
         yield from ("  " + line for line in _of_table(directory / name, units.get(name, {})))
 
 
+def time_in_words(run: dict[str, Any]) -> str:
+    """The time that a run took, and the number of its threads."""
+    threads = run.get("threads")
+    return f"{run['wall_seconds']:.3g} s on {threads} thread{'' if threads == 1 else 's'}"
+
+
 def _of_manifest(contents: dict[str, Any]) -> Iterator[str]:
     run = contents.get("run", {})
     if contents.get("title"):
@@ -77,7 +83,7 @@ def _of_manifest(contents: dict[str, Any]) -> Iterator[str]:
     if "steps" in run:
         words.append(f"{run['steps']} steps to time {float(run.get('time', 0.0)):g}")
     if "wall_seconds" in run:
-        words.append(f"{run['wall_seconds']:.3g} s on {run.get('threads')} threads")
+        words.append(time_in_words(run))
     if run.get("peak_memory_bytes"):
         words.append(f"{size_in_words(run['peak_memory_bytes'])} of memory")
     yield ", ".join(words)

@@ -147,7 +147,7 @@ class Results:
         return "\n".join(text)
 
     def _facts(self) -> Iterable[tuple[str, str]]:
-        from mpmcli.results.info import size_in_words
+        from mpmcli.results.info import size_in_words, time_in_words
 
         run = self.manifest.get("run", {})
         yield "folder", str(self.directory)
@@ -158,7 +158,7 @@ class Results:
         if "wall_seconds" in run:
             memory = run.get("peak_memory_bytes")
             also = f", {size_in_words(memory)} of memory" if memory else ""
-            yield "took", f"{run['wall_seconds']:.3g} s on {run.get('threads')} threads{also}"
+            yield "took", time_in_words(run) + also
         if self.has_particles:
             try:
                 times = self.times

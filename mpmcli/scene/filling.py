@@ -184,7 +184,26 @@ def check_start(scene: Any, filled: Sequence[BodyParticles]) -> list[Problem]:
         from mpmcli.scene.fracture_checks import check_tips
 
         found += check_tips(scene, filled)
+    found += particles_on_lines(scene, filled)
     return [*found, *idle_nodal_forces(scene, filled), *bodies_behind_walls(scene, filled)]
+
+
+def particles_on_lines(scene: Any, filled: Sequence[BodyParticles]) -> Iterator[Problem]:
+    """Warn of point particles on grid lines: they have gradients at nodes to which they give no mass."""
+    if SHAPES[scene.method.shape].domain != "point" or SHAPES[scene.method.shape].grid_functions != "linear":
+        return
+    lower, cell = (np.array(x)[:, None] for x in (scene.grid.lower, scene.grid.cell))
+    for body, particles in zip(scene.bodies, filled, strict=True):
+        place = (particles.X - lower) / cell
+        if (
+            scene.materials[body.material].kind != "rigid"
+            and (np.abs(place - np.rint(place)) < ON_NODE).any()
+        ):
+            words = (
+                f"particles of body '{body.name}' lie on grid lines, where '{scene.method.shape}' loses forces and "
+                "heat at upper faces; move the body or the grid by a part of a cell, or use another shape function"
+            )
+            yield Problem(f"bodies.{body.name}.region", words, code="on_grid_line", severity="warning")
 
 
 def bodies_behind_walls(scene: Any, filled: Sequence[BodyParticles]) -> Iterator[Problem]:

@@ -96,10 +96,10 @@ class HeatInterval:
     limit : of the time over which heat may act at once
     smallest_cell : Δx_min [length]
     speed : gives the speed of the fastest particle now [velocity]
-    has_friction : tells whether friction heats bodies now, so that ``auto`` does not wait
 
     Attributes
     ----------
+    has_friction : tells whether friction heats bodies now, so that ``auto`` does not wait
     last : time over which heat acted last
     """
 
@@ -109,11 +109,11 @@ class HeatInterval:
         limit: HeatLimit,
         smallest_cell: float,
         speed: Callable[[], float],
-        has_friction: Callable[[], bool] = lambda: False,
     ):
         self.interval = interval
         self.limit, self._smallest_cell = limit, smallest_cell
-        self._speed, self.has_friction = speed, has_friction
+        self._speed = speed
+        self.has_friction: Callable[[], bool] = lambda: False
         self._steps, self._time, self._path = 0, 0.0, 0.0
         self.last = 0.0
 

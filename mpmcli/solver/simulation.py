@@ -73,12 +73,13 @@ class Simulation(Parts):
 
     def __init__(self, loaded: Any, threads: int | None = None):
         scene = loaded.scene
-        self.threads = use_threads(threads or available_threads())
+        threads = use_threads(threads or available_threads())
         self.plan = make_plan(scene)
         self.period = Period(self.plan) if self.plan.is_periodic else None
         self.grid = setup.make_grid(scene, self.plan)
         turns = self._fill(scene)
         self.parallel = self._is_large()
+        self.threads = threads if self.parallel else 1
         self.order = CellOrder(self.particles, self.grid)
         self.velocity = make_velocity(self.plan, self.grid, self.particles)
         self.arrays = allocate_step_arrays(self.plan, self.velocity, self.particles.count)

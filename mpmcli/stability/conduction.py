@@ -53,8 +53,8 @@ class Conduction:
 
 
 @functools.lru_cache(maxsize=256)
-def fourier_limit(conduction: Conduction, most: float = LARGEST) -> float:
-    """Return the largest stable Fourier number DΔt/Δx² of a block at its worst position, ``most`` at most.
+def fourier_limit(conduction: Conduction) -> float:
+    """Return the largest stable Fourier number DΔt/Δx² of a block at its worst position, ``LARGEST`` at most.
 
     Without faces the limit hardly depends on the number of axes.
     """
@@ -66,7 +66,7 @@ def fourier_limit(conduction: Conduction, most: float = LARGEST) -> float:
         step = loop @ (one + change) @ smoothing if conduction.replaces else one + loop @ change @ smoothing
         return bool(np.abs(np.linalg.eigvals(step)).max() <= 1.0 + TOLERANCE)
 
-    lowest, highest = round(LOWEST / RESOLUTION), round(most / RESOLUTION)
+    lowest, highest = round(LOWEST / RESOLUTION), round(LARGEST / RESOLUTION)
     start = highest if not conduction.axes_with_faces else highest // 2
     with threadpool_limits(1, user_api="blas"):  # the matrices are small, and threads that wait burn time
         return (bisect_limit(holds, start, lowest, highest)[0] or 0) * RESOLUTION

@@ -73,3 +73,31 @@ def test_half_of_a_pressed_layer_is_half_of_the_whole(transfer, plain_python):
         V.append(p.V[:, mine[np.lexsort(X)]])
     assert np.abs(V[0]).max() > 0.01
     assert np.abs(V[1] - V[0]).max() < 1e-13
+
+
+HOLLOW = """
+version: 1
+analysis: {kind: axisymmetric}
+grid: {lower: [0, 0], upper: [6, 5], cell: 1}
+method: {shape: ugimp, transfer: {kind: flip}}
+heat: {contact: {conductance: 0.5}}
+materials: {soft: {kind: neo_hookean, density: 1, E: 10, nu: 0.3, heat_capacity: 1, conductivity: 1}}
+bodies:
+  - {name: low, material: soft, region: {kind: box, lower: [1, 1], upper: [4, 3]}, velocity: [0, 1], temperature: 300}
+  - {name: high, material: soft, region: {kind: box, lower: [1, 3], upper: [4, 4]}, temperature: 400}
+boundary: [{name: hole, kind: symmetry, plane: {axis: x, at: 1}}]
+contact: {law: {kind: stick}}
+time: {end: 10, step: 0.02}
+"""
+
+
+def test_beside_the_axis_contact_areas_are_those_of_the_image(plain_python):
+    """A plane at the first line of nodes beside the axis, across which no matter is."""
+    with plain_python():
+        simulation = Simulation(load_scene(HOLLOW))
+        simulation.step()
+        rows = simulation.contact.contact_rows()
+    x, y = simulation.grid.coordinates(simulation.grid.node_of(rows.alpha))
+    for height in np.unique(y):
+        areas = dict(zip(x[y == height], rows.area[y == height], strict=True))
+        assert areas[0.0] == pytest.approx(areas[2.0], rel=1e-12)

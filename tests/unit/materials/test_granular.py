@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import expm
 
 from mpmcli.materials import MATERIALS
-from mpmcli.materials.base import bulk_speed_squared, kirchhoff_stress, strain_energy
+from mpmcli.materials.base import bulk_speed_squared, kirchhoff_stress, strain_energy, wave_speed_squared
 from mpmcli.materials.granular import OPENING
 from mpmcli.materials.hencky import LAST, STRAIN, WORK
 
@@ -25,6 +25,14 @@ def start(model):
     H = np.zeros((len(model.history), 1))
     H[OPENING] = model.initial_history()["opening"]
     return H
+
+
+def nine(F):
+    return tuple(float(x) for x in F.ravel())
+
+
+def full(t):
+    return np.array([[t[0], t[3], t[5]], [t[3], t[1], t[4]], [t[5], t[4], t[2]]])
 
 
 def stretch(m, H, *stretches, dt=1e-3, commit=True):
@@ -103,3 +111,26 @@ def test_loose_grains_bear_load_from_the_critical_density_on():
 def test_grains_that_make_no_sense_are_refused(numbers, words):
     with pytest.raises(ValueError, match=words):
         make(**numbers)
+
+
+@pytest.mark.parametrize("nu", [0.2, 0.3, 0.4])
+@pytest.mark.parametrize("friction", [0.38, 0.7])
+def test_wave_speed_of_flow_is_that_of_its_tangent(friction, nu):
+    """Grains that flow and are pulled at an angle to their axis: the pressure that holds them falls, too."""
+    model = make(nu=nu, mu_s=friction, mu_2=friction)
+    m, H = model.parameters("3d", False), start(model)
+    stretch(m, H, 0.999, 0.999, 0.999)
+    stretch(m, H, 1.01, 0.995, 0.995)
+    assert H[LAST, 0] > 0.0
+    h, largest = 1e-8, 0.0
+    tau = full(stretch(m, H, 1.0, 1.0, 1.0, commit=False))
+    for angle in np.linspace(0.0, math.pi / 2, 31):
+        n = np.array([math.cos(angle), math.sin(angle), 0.0])
+        Q = np.empty((3, 3))
+        for k in range(3):
+            F = nine(np.eye(3) + h * np.outer(np.eye(3)[k], n))
+            Q[:, k] = (full(kirchhoff_stress(m, F, F, H, 0, 1e-3, False)) - tau) @ n / h
+        largest = max(largest, np.linalg.eigvals(Q).real.max())
+    speed = wave_speed_squared(m, None, H, 0) * model.density
+    assert largest < 1.003 * speed
+    assert speed < 1.15 * largest

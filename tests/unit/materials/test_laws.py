@@ -135,6 +135,36 @@ def test_tangent_speeds_up_a_stretched_neo_hookean_bar():
     assert wave_speed_squared(m, F, NONE, 0) == pytest.approx(x**2 * slope / 2.0, rel=1e-6)
 
 
+@pytest.mark.parametrize("analysis", ["plane_stress", "uniaxial_stress"])
+@pytest.mark.parametrize("K", [2.0, 100.0])
+@pytest.mark.parametrize(
+    "law",
+    [
+        {"kind": "neo_hookean", "G": 1.0},
+        {"kind": "neo_hookean", "G": 1.0, "split": "isochoric"},
+        {"kind": "mooney_rivlin", "G1": 1.0, "G2": 0.0},
+        {"kind": "mooney_rivlin", "G1": 0.5, "G2": 0.5},
+    ],
+    ids=["coupled", "isochoric", "one modulus", "two moduli"],
+)
+def test_wave_speeds_of_thin_rubber_follow_its_stretch(plain_python, law, K, analysis):
+    """ρ₀c² = λ² dP/dλ with free widths: the estimate is at most 3 % of c below."""
+    m = MATERIALS[law["kind"]].model_validate({"density": 2.0, "K": K} | law).parameters(analysis, False)
+
+    def pulled(x):
+        F = (x, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+        F1, _, T = free_stress(m, F, F, NONE, 0, 1.0, analysis == "uniaxial_stress")
+        return F1, T[0] / x
+
+    with plain_python():
+        for x in (0.5, 0.7, 1.0, 1.5, 2.5):
+            h = 1e-5 * x
+            needed = x * x * (pulled(x + h)[1] - pulled(x - h)[1]) / (2 * h) / 2.0
+            speed = wave_speed_squared(m, pulled(x)[0], NONE, 0)
+            assert needed < 1.06 * speed
+            assert speed < (1.01 if x == 1.0 else 2.6) * needed
+
+
 @pytest.mark.parametrize(("alpha", "rate", "T"), [(0.0, 0.0, 300), (0.1, 50.0, 400), (0.5, 1e5, 900)])
 def test_johnson_cook_formula(alpha, rate, T):
     h = JohnsonCook(A=65.0, B=356.0, n=0.37, C=0.013, rate=1.0, Tm=1356.0, T0=298.0, m=1.05)

@@ -85,12 +85,12 @@ def cells(html):
 
 
 def test_a_notebook_shows_the_run_and_its_table(make_results):
-    run = {"ended": "finished", "steps": 10, "time": 1.0, "wall_seconds": 2.5, "threads": 2}
+    run = {"ended": "finished", "steps": 10, "time": 1.0, "wall_seconds": 2.5, "threads": 1}
     results = Results(make_results(title="a <b> & c", run=run | {"peak_memory_bytes": 5_000_000}))
     rows = {row[0]: row[1:] for row in cells(results._repr_html_())}
     assert rows["ended"] == ["finished"]
     assert rows["steps"] == ["10 to time 1 ms"]
-    assert rows["took"] == ["2.5 s on 2 threads, 5 MB of memory"]
+    assert rows["took"] == ["2.5 s on 1 thread, 5 MB of memory"]
     assert rows["archives of particles"] == ["3, time 0 to 1"]
     assert rows["tables"] == ["globals.csv, probes/tip.csv"]
     assert rows["kinetic_energy"] == ["mJ", "3", "2", "3", "2"]

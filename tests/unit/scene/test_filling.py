@@ -216,3 +216,15 @@ def test_memory_counts_further_sides_only_beside_cracks(monkeypatch):
     plain, one, two = needed
     assert 0 < one - plain < 500 * 9 * 8
     assert two > one
+
+
+@pytest.mark.parametrize(
+    ("shape", "lower", "warned"), [("linear", 1.25, True), ("linear", 1, False), ("ugimp", 1.25, False)]
+)
+def test_point_particles_on_grid_lines_are_warned_of(shape, lower, warned):
+    body = BODY.replace("}}", "}, particles_along: region}").replace("lower: [1", f"lower: [{lower}")
+    body = body.replace("upper: [3", f"upper: [{lower + 2}")
+    loaded = load_scene(scene_with(body), sets=[f"method.shape={shape}"])
+    check_start(loaded)
+    found = [(problem.path, problem.code) for problem in loaded.warnings]
+    assert found == [("bodies.a.region", "on_grid_line")] * warned

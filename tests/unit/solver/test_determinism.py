@@ -37,7 +37,8 @@ def test_threads_do_not_change_a_bit(block, monkeypatch):
 
 def test_small_scenes_run_serial_kernels(block):
     """Chosen by the number of particles alone."""
-    assert not block(threads=2).simulation.parallel
+    small = block(threads=2).simulation
+    assert (small.parallel, small.threads) == (False, 1)
 
 
 @pytest.mark.parametrize("transfer", [{"kind": "flip"}, {"kind": "fmpm", "order": 3}])

@@ -4,11 +4,13 @@ import re
 
 import numpy as np
 import pytest
+import yaml
 
 from mpmcli.core.errors import SceneError, SimulationError
 from mpmcli.geometry import fill
 from mpmcli.scene import checks, filling
-from mpmcli.solver.simulation import GOOD_EVERY
+from mpmcli.scene.loader import load_scene
+from mpmcli.solver.simulation import GOOD_EVERY, Simulation
 
 
 def failure_of(run, steps=400) -> SimulationError:
@@ -339,3 +341,37 @@ def test_a_body_that_cannot_begin_is_not_blamed_on_the_step(bar):
     expands = CONDUCTING | {"expansion": 0.1}
     with pytest.raises(SimulationError, match="check 'expansion', 'T0' and the initial temperature"):
         bar(materials__elastic=expands, bodies__0__temperature="500")
+
+
+@pytest.mark.parametrize("side", ["lower", "upper"])
+def test_stopped_particles_keep_their_heat(side, plain_python):
+    """At the upper side a grid line is the lower end of a cell without matter."""
+    lower, speed = (1.5, 1.0) if side == "upper" else (0.1, -1.0)
+    rock = {
+        "kind": "linear_elastic",
+        "E": 1,
+        "nu": 0,
+        "density": 1,
+        "heat_capacity": 1,
+        "conductivity": 0.1,
+        "T0": 300,
+    }
+    scene = {
+        "version": 1,
+        "analysis": {"kind": "uniaxial_strain"},
+        "grid": {"lower": [0], "upper": [3], "cell": 1},
+        "method": {"shape": "linear", "transfer": {"kind": "flip"}},
+        "heat": {},
+        "materials": {"rock": rock},
+        "bodies": [
+            {"name": "bar", "material": "rock", "particles_along": "region", "velocity": [speed], "temperature": 300,
+             "region": {"kind": "box", "lower": [lower], "upper": [lower + 1.4]}},
+        ],
+        "domain": {"on_exit": "stop_at_wall"},
+        "time": {"end": 10, "step": 0.05},
+    }  # fmt: skip
+    with plain_python():
+        simulation = Simulation(load_scene(yaml.safe_dump(scene)))
+        for _ in range(20):
+            simulation.step()
+    assert simulation.particles.T == pytest.approx(300, rel=1e-12)

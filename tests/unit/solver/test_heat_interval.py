@@ -37,7 +37,9 @@ class Motion:
 
 def interval_of(asked, limit, cell=1.0, motion=None):
     motion = motion or Motion()
-    return HeatInterval(asked, limit, cell, lambda: motion.speed, lambda: motion.has_friction)
+    interval = HeatInterval(asked, limit, cell, lambda: motion.speed)
+    interval.has_friction = lambda: motion.has_friction
+    return interval
 
 
 def times_of(interval, steps, dt):
