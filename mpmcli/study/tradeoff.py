@@ -30,6 +30,8 @@ Array = np.ndarray
 Cost = Literal["run_seconds", "cpu_seconds", "step_seconds", "peak_memory"]
 RUNS, TABLES = "runs.jsonl", "tables"
 INVALID = "invalid scene"
+OF_THE_MACHINE = (TIMED_OUT, "files", "stopped")
+"""Ends that say nothing of the case: another command runs it again."""
 DEFAULT_COLUMNS = ("kinetic_energy", "strain_energy")
 
 
@@ -184,7 +186,8 @@ def run_cases(
             table = result.pop("table", None)
             if table is not None:
                 write_text(_table_path(directory, case), table)
-            journal.add(key, {"case": case.name, "repeat": repeat} | result)
+            if result["ended"] not in OF_THE_MACHINE:
+                journal.add(key, {"case": case.name, "repeat": repeat} | result)
             tell(f"{case.name}, run {repeat + 1} of {repeats}: {_words(result)}")
         case.runs.append(result)
         case.settle()
@@ -288,16 +291,18 @@ def find_errors(
             continue
         case.errors = {m.column: _errors(case.table, m.column, reference) for m in measures}
         place = 1 if measure == "rms" else 0
+        unknown = next((column for column, pair in case.errors.items() if not np.isfinite(pair[place])), None)
+        if unknown is not None:
+            case.error, case.remark = None, f"'{unknown}' or its reference has no values at these times"
+            continue
         case.error = max(pair[place] for pair in case.errors.values())
-        if not np.isfinite(case.error):
-            case.error, case.remark = None, "the reference has no values at these times"
 
 
 def _errors(table: Mapping[str, Array], column: str, reference: Reference) -> tuple[float, float]:
     """Difference at the last common time, and root mean square, over the largest reference value."""
     t, values = table["time"], table[column]
     exact = reference(column, t)
-    known = np.isfinite(exact)
+    known = np.isfinite(exact) & np.isfinite(values)
     if not known.any():
         return float("nan"), float("nan")
     distance = np.abs(values[known] - exact[known])
