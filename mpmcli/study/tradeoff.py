@@ -295,6 +295,10 @@ def find_errors(
         if unknown is not None:
             case.error, case.remark = None, f"'{unknown}' or its reference has no values at these times"
             continue
+        if not any(_is_anywhere(case.table, m.column, reference) for m in measures):
+            words = listing([m.column for m in measures])
+            case.error, case.remark = None, f"0 at all times; use --error ({words})"
+            continue
         case.error = max(pair[place] for pair in case.errors.values())
 
 
@@ -308,6 +312,11 @@ def _errors(table: Mapping[str, Array], column: str, reference: Reference) -> tu
     distance = np.abs(values[known] - exact[known])
     scale = float(np.abs(exact[known]).max()) or 1.0
     return float(distance[-1]) / scale, float(np.sqrt(np.mean(distance**2))) / scale
+
+
+def _is_anywhere(table: Mapping[str, Array], column: str, reference: Reference) -> bool:
+    """Whether a column or its reference differs from 0 at some time."""
+    return bool(np.nan_to_num(table[column]).any() or np.nan_to_num(reference(column, table["time"])).any())
 
 
 def mark_front(cases: Sequence[Case], cost: Cost = "run_seconds") -> None:

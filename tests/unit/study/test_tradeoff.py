@@ -213,6 +213,18 @@ def test_a_column_without_values_is_no_error_of_zero(tmp_path):
     assert one.error == 0.0
 
 
+def test_columns_that_are_zero_at_all_times_measure_nothing(tmp_path):
+    """As energies do where heat is conducted in bodies at rest."""
+    (one,) = measured(tmp_path, "fmpm:1")
+    one.table |= {"strain_energy": np.zeros(5), "stress_work": np.zeros(5)}
+    known = reference_of_table(one.table, [], "t")
+    find_errors([one], [Measure("strain_energy"), Measure("stress_work")], known)
+    assert one.error is None
+    assert one.remark == "0 at all times; use --error (strain_energy, stress_work)"
+    find_errors([one], [Measure("strain_energy"), Measure("kinetic_energy")], known)
+    assert one.error == 0.0
+
+
 @pytest.mark.parametrize("ended", [processes.TIMED_OUT, "files"])
 def test_a_run_that_the_machine_ended_is_run_again(tmp_path, ended):
     runner = Pretend()
