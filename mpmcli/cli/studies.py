@@ -50,9 +50,9 @@ class Study:
 
         code = run_until_interrupted(study, stop)
         if code:
-            click.echo(
-                f"interrupted; {journal.path} keeps the {len(journal.results)} finished runs", err=True
-            )
+            count = len(journal.results)
+            kept = f"finished runs are kept in {journal.path}: {count}" if count else "no run has finished"
+            click.echo(f"interrupted; {kept}", err=True)
         return code
 
 

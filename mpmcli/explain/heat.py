@@ -125,10 +125,11 @@ def _limit_in_words(facts: dict[str, Any]) -> str:
     if margin > FAR:
         stable = f"stable up to {facts['limit']:.3g} ({facts['because']})"
         return f"Fourier number {facts['fourier']:.3g} of a heat step; {stable}"
-    verdict = f"{margin:.0f} % below" if margin >= 0.0 else f"{-margin:.0f} % above (the run may fail)"
+    side, warning = ("below", "") if margin >= 0.0 else ("above", "; the run may fail")
+    verdict = f"{abs(margin):.0f} % {side}"
     return (
         f"Fourier number {facts['fourier']:.3g} of a heat step, {verdict} the stable one, {facts['limit']:.3g} "
-        f"({facts['because']})"
+        f"({facts['because']}){warning}"
     )
 
 

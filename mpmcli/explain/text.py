@@ -110,10 +110,9 @@ def _courant_in_words(facts: dict[str, Any]) -> str:
     if facts["courant_is_chosen"]:
         return f"{chosen} (auto: the stable Courant number; {because})"
     margin = facts["stability_margin"]
-    verdict = (
-        f"{100 * margin:.0f} % below" if margin >= 0.0 else f"{-100 * margin:.0f} % above (the run may fail)"
-    )
-    return f"{chosen}, {verdict} the stable Courant number {stable:.3g} ({because})"
+    side, warning = ("below", "") if margin >= 0.0 else ("above", "; the run may fail")
+    verdict = f"{100 * abs(margin):.0f} % {side}"
+    return f"{chosen}, {verdict} the stable Courant number {stable:.3g} ({because}){warning}"
 
 
 def _contact_in_words(contact: dict[str, Any]) -> list[str]:

@@ -209,8 +209,8 @@ def fields_of(context: Context) -> dict[str, Quantity]:
 
 
 _OF_PRESSURE = (
-    "crack_driver", "dissipated_energy", "internal_energy", "plastic_work", "plastic_work_of_step",
-    "preconsolidation_pressure", "stiffening",
+    "crack_driver", "dissipated_energy", "heat_energy", "internal_energy", "plastic_work", "plastic_work_of_step",
+    "preconsolidation_pressure", "stiffening", "stored_energy",
 )  # fmt: skip
 HISTORY_DIMENSIONS = {
     "temperature": "temperature",

@@ -166,7 +166,8 @@ QUANTITIES.add(
              "logarithmic strain ½ ln(F Fᵀ) of a material, mean over its current volume",
              owners=deformable_materials, is_default=never),
     Quantity("center", "x_c", "length", "vector", "body", _body_mean("X"),
-             "centre of mass of a body (its mean radius r); of a rigid one, of its volume"),
+             "centre of mass of a body (its mean radius r), along periodic axes of its positions within the grid; of a "
+             "rigid one, of its volume"),
     Quantity("displacement", "u_c", "length", "vector", "body",
              lambda s: s.mean_over("body", s.displacement, s.particles.mass),
              "mean displacement of a body by mass, since time 0", is_default=never),

@@ -102,7 +102,7 @@ def _of_manifest(contents: dict[str, Any]) -> Iterator[str]:
 
 def _of_table(path: Path, units: dict[str, str]) -> Iterator[str]:
     header, rows = read_table(path)
-    yield f"{len(rows)} rows, {len(header)} columns; the last row:"
+    yield f"{len(rows)} {'row' if len(rows) == 1 else 'rows'}, {len(header)} columns; the last row:"
     width = max(len(name) for name in header)
     for name, value in zip(header, rows[-1] if rows else [""] * len(header), strict=True):
         yield f"{name:<{width}}  {value or 'no value'}  {units.get(name, '')}".rstrip()

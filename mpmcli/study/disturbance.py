@@ -41,10 +41,11 @@ class DisturbedTwin:
         self.growth = 0.0
 
     def step(self) -> None:
-        """Repeat the step that the first run has just made."""
+        """Repeat the step that the first run has just made, before events turn its clocks."""
         if self.growth == math.inf:
             return
         self._twin.time_step.fixed = self._first.state.dt
+        self._twin.clocks.recall(self._first.clocks.memory())
         try:
             with np.errstate(all="ignore"):
                 self._twin.step()

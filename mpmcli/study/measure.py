@@ -81,7 +81,9 @@ def measure_case(job: dict[str, Any]) -> dict[str, Any]:
 
 
 def only_table(loaded: LoadedScene, columns: Sequence[str]) -> LoadedScene:
-    """Take archives and probes out of a scene, and see to it that its table has these columns.
+    """Take archives and unused probes out of a scene, and see to it that its table has these columns.
+
+    Criteria may name probes.
 
     Raises SceneError if the scene cannot have them.
     """
@@ -91,6 +93,8 @@ def only_table(loaded: LoadedScene, columns: Sequence[str]) -> LoadedScene:
     if names is None:
         names = tuple(column.name for column in resolve_columns(None, context_of(scene)))
     asked = asked.model_copy(update={"columns": tuple(dict.fromkeys([*names, *columns]))})
-    loaded.scene = scene.model_copy(update={"archive": Archive(globals=asked), "probes": ()})
+    has_criteria = bool(scene.events) or scene.time.stop_when is not None
+    probes = scene.probes if has_criteria else ()
+    loaded.scene = scene.model_copy(update={"archive": Archive(globals=asked), "probes": probes})
     check_output(loaded.scene)
     return loaded

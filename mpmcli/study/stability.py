@@ -124,8 +124,10 @@ class Case:
 
     @property
     def below(self) -> float | None:
-        """How far ``auto`` is below the limit, as a share of the limit."""
-        return None if self.auto is None or not self.limit else 1.0 - self.auto / self.limit
+        """How far ``auto`` is below the limit, as a share of the limit; None where the limit lies above all tried."""
+        if self.auto is None or not self.limit or self.unstable_at is None:
+            return None
+        return 1.0 - self.auto / self.limit
 
 
 class Undecided(Exception):

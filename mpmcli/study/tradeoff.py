@@ -30,6 +30,8 @@ Array = np.ndarray
 Cost = Literal["run_seconds", "cpu_seconds", "step_seconds", "peak_memory"]
 RUNS, TABLES = "runs.jsonl", "tables"
 INVALID = "invalid scene"
+OF_THE_MACHINE = (TIMED_OUT, "files", "stopped")
+"""Ends that say nothing of the case: another command runs it again."""
 DEFAULT_COLUMNS = ("kinetic_energy", "strain_energy")
 
 
@@ -184,7 +186,8 @@ def run_cases(
             table = result.pop("table", None)
             if table is not None:
                 write_text(_table_path(directory, case), table)
-            journal.add(key, {"case": case.name, "repeat": repeat} | result)
+            if result["ended"] not in OF_THE_MACHINE:
+                journal.add(key, {"case": case.name, "repeat": repeat} | result)
             tell(f"{case.name}, run {repeat + 1} of {repeats}: {_words(result)}")
         case.runs.append(result)
         case.settle()
@@ -288,21 +291,32 @@ def find_errors(
             continue
         case.errors = {m.column: _errors(case.table, m.column, reference) for m in measures}
         place = 1 if measure == "rms" else 0
+        unknown = next((column for column, pair in case.errors.items() if not np.isfinite(pair[place])), None)
+        if unknown is not None:
+            case.error, case.remark = None, f"'{unknown}' or its reference has no values at these times"
+            continue
+        if not any(_is_anywhere(case.table, m.column, reference) for m in measures):
+            words = listing([m.column for m in measures])
+            case.error, case.remark = None, f"0 at all times; use --error ({words})"
+            continue
         case.error = max(pair[place] for pair in case.errors.values())
-        if not np.isfinite(case.error):
-            case.error, case.remark = None, "the reference has no values at these times"
 
 
 def _errors(table: Mapping[str, Array], column: str, reference: Reference) -> tuple[float, float]:
     """Difference at the last common time, and root mean square, over the largest reference value."""
     t, values = table["time"], table[column]
     exact = reference(column, t)
-    known = np.isfinite(exact)
+    known = np.isfinite(exact) & np.isfinite(values)
     if not known.any():
         return float("nan"), float("nan")
     distance = np.abs(values[known] - exact[known])
     scale = float(np.abs(exact[known]).max()) or 1.0
     return float(distance[-1]) / scale, float(np.sqrt(np.mean(distance**2))) / scale
+
+
+def _is_anywhere(table: Mapping[str, Array], column: str, reference: Reference) -> bool:
+    """Whether a column or its reference differs from 0 at some time."""
+    return bool(np.nan_to_num(table[column]).any() or np.nan_to_num(reference(column, table["time"])).any())
 
 
 def mark_front(cases: Sequence[Case], cost: Cost = "run_seconds") -> None:

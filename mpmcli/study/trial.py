@@ -13,6 +13,7 @@ from mpmcli.output.snapshot import Snapshot
 from mpmcli.scene.loader import LoadedScene, load_scene
 
 if TYPE_CHECKING:
+    from mpmcli.run.events import Events
     from mpmcli.study.disturbance import DisturbedTwin
 
 FINISHED, FAILED, ENERGY, CRAWLED = "finished", "failed", "energy", "crawled"
@@ -58,7 +59,7 @@ def run_trial(job: dict[str, Any]) -> dict[str, Any]:
         from mpmcli.study.disturbance import DisturbedTwin
 
         twin = DisturbedTwin(loaded, simulation, job.get("threads"))
-    ended, message, watch = _advance(simulation, end, float(job["bound"]), twin)
+    ended, message, watch = _advance(simulation, end, float(job["bound"]), twin, _events(loaded, simulation))
     excess = watch.excess
     bounded = ended == FINISHED and excess <= job["bound"]
     if ended == FINISHED and not bounded:
@@ -93,8 +94,23 @@ def set_courant(loaded: LoadedScene, courant: float | str) -> None:
     loaded.scene = scene.model_copy(update={"time": span})
 
 
+def _events(loaded: LoadedScene, simulation: Any) -> Events | None:
+    """What holds, reverses or ends the run of the scene."""
+    scene = loaded.scene
+    if not scene.events and scene.time.stop_when is None:
+        return None
+    from mpmcli.output.of_scene import context_of
+    from mpmcli.run.events import Events
+
+    return Events(scene, context_of(scene, simulation.state), simulation)
+
+
 def _advance(
-    simulation: Any, end: float, bound: float, twin: DisturbedTwin | None = None
+    simulation: Any,
+    end: float,
+    bound: float,
+    twin: DisturbedTwin | None = None,
+    events: Events | None = None,
 ) -> tuple[str, str, EnergyWatch]:
     watch = EnergyWatch(simulation.state)
     every = SELDOM if simulation.particles.count > MANY else 1
@@ -105,6 +121,10 @@ def _advance(
             simulation.step()
             if twin is not None:
                 twin.step()
+            if events is not None:
+                events.look()
+                if events.ended:
+                    break
             if state.step == 1:
                 most = MOST_STEPS * (end / state.dt + 10.0)
             if state.step % every == 0:

@@ -3,7 +3,7 @@
 import pytest
 
 from mpmcli.core.errors import SceneError
-from mpmcli.output.columns import all_columns, default_columns, resolve_columns, resolve_fields
+from mpmcli.output.columns import all_columns, default_columns, fields_of, resolve_columns, resolve_fields
 from mpmcli.output.quantities import Context
 
 PLAIN = Context("plane_strain", ("left", "right"), ("rubber",))
@@ -131,3 +131,13 @@ def test_fields_of_particles():
         resolve_fields(["velocty"], context)
     with pytest.raises(SceneError, match="viscous_pressure"):
         resolve_fields(["viscous_pressure"], context)
+
+
+def test_works_and_energies_of_the_history_are_per_volume():
+    from mpmcli.materials import MATERIALS
+
+    history = {name for model in MATERIALS.models() for name in model.history}
+    fields = fields_of(Context("plane_strain", ("b",), ("m",), history=tuple(history)))
+    energies = [name for name in history if name.endswith("energy") or "work" in name]
+    assert {"heat_energy", "stored_energy", "plastic_work"} <= set(energies)
+    assert {fields[name].dimension for name in energies} == {"pressure"}

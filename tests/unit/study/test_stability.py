@@ -188,6 +188,11 @@ def test_the_number_of_auto_is_tried_on_demand(tmp_path, limit, is_stable):
     assert (case.auto, case.auto_is_stable) == (auto, None)
 
 
+def test_auto_is_not_compared_with_the_end_of_the_search(tmp_path):
+    (case,) = search(tmp_path, ["fmpm:4"], Pretend({4: 9.0}), Settings(highest=0.2))
+    assert (case.limit, case.unstable_at, case.below) == (0.2, None, None)
+
+
 def test_a_crash_is_unstable(tmp_path):
     (case,) = search(tmp_path, ["flip"], Pretend({0: 0.4}, ended="crashed"))
     assert case.limit == 0.4

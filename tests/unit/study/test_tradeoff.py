@@ -200,6 +200,42 @@ def test_times_beyond_the_reference_do_not_count(tmp_path):
     assert "no values at these times" in one.remark
 
 
+def test_a_column_without_values_is_no_error_of_zero(tmp_path):
+    (one,) = measured(tmp_path, "fmpm:1")
+    one.table["J"] = np.full(5, np.nan)
+    known = reference_of_table(one.table, [], "t")
+    for columns in (("kinetic_energy", "J"), ("J", "kinetic_energy")):
+        find_errors([one], [Measure(column) for column in columns], known)
+        assert one.error is None
+        assert one.remark == "'J' or its reference has no values at these times"
+    one.table["J"] = np.array([np.nan, 1.0, 2.0, 3.0, 4.0])
+    find_errors([one], [Measure("J")], reference_of_table(one.table, [], "t"))
+    assert one.error == 0.0
+
+
+def test_columns_that_are_zero_at_all_times_measure_nothing(tmp_path):
+    """As energies do where heat is conducted in bodies at rest."""
+    (one,) = measured(tmp_path, "fmpm:1")
+    one.table |= {"strain_energy": np.zeros(5), "stress_work": np.zeros(5)}
+    known = reference_of_table(one.table, [], "t")
+    find_errors([one], [Measure("strain_energy"), Measure("stress_work")], known)
+    assert one.error is None
+    assert one.remark == "0 at all times; use --error (strain_energy, stress_work)"
+    find_errors([one], [Measure("strain_energy"), Measure("kinetic_energy")], known)
+    assert one.error == 0.0
+
+
+@pytest.mark.parametrize("ended", [processes.TIMED_OUT, "files"])
+def test_a_run_that_the_machine_ended_is_run_again(tmp_path, ended):
+    runner = Pretend()
+    finish, runner.run = runner.run, lambda job: {"ended": ended, "message": "it took too long"}
+    (case,) = measured(tmp_path, "fmpm:1", runner)
+    assert (case.status, case.remark) == (ended, "it took too long")
+    runner.run = finish
+    (case,) = measured(tmp_path, "fmpm:1", runner)
+    assert case.is_finished
+
+
 def test_exact_values():
     values = Measure.read("kinetic_energy=0.5*m*cos(t)**2").exact({"m": 4.0})(np.array([0.0, np.pi / 2]))
     assert values == pytest.approx([2.0, 0.0])
