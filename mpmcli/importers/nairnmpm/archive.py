@@ -249,10 +249,16 @@ def heat(job: Job, root: Command) -> None:
     read = ("Conduction", "EnergyCoupling", "ContactHeating", "FrictionalHeating")
     given = {inside.name for block in root.all("Thermal") for inside in block.all(*read)}
     adiabatic = "EnergyCoupling" in given
+    rubbing = [
+        each for block in root.all("Thermal") for each in block.all("ContactHeating", "FrictionalHeating")
+    ]
+    in_contact = any(inside.name == "MultiMaterialMode" for inside in root.walk())
     if "Conduction" in given:
-        rubs = not given.isdisjoint({"ContactHeating", "FrictionalHeating"})
-        in_contact = any(inside.name == "MultiMaterialMode" for inside in root.walk())
-        job.scene["heat"] = {"friction": rubs} if in_contact else {}
+        job.scene["heat"] = {"friction": bool(rubbing)} if in_contact else {}
+    if "Conduction" not in given or not in_contact:
+        why = "materials are not in contact" if "Conduction" in given else "nothing conducts heat"
+        for each in rubbing:
+            job.note("ignored", each, why)
     if adiabatic or "Conduction" in given:
         job.scene["method"]["heating"] = "adiabatic" if adiabatic else "isothermal"
 

@@ -66,8 +66,10 @@ class Conditions(Base):
             made.attributes["face"] = text_of(values[1])
 
     def _do_gravity(self, line: Line) -> None:
-        for axis, value in zip("XYZ", line.values, strict=False):
-            self._add(self._block("Gravity"), f"Body{axis}Force", value)
+        earth = (0.0, -9806.65 if self.ms else -9.80665, 0.0)
+        for axis, value in zip("XYZ", line.values + earth[len(line.values) :], strict=True):
+            name = f"GridBody{axis}Force" if isinstance(value, str) else f"Body{axis}Force"
+            self._add(self._block("Gravity"), name, value)
 
     # ------------------------------------------------------------------ cracks
 
@@ -91,7 +93,7 @@ class Conditions(Base):
             return "-2"
         if word not in self.ids:
             raise ScriptError(f"the material '{word[:40]}' of the tip is not defined")
-        return str(list(self.ids).index(word) + 1)
+        return self._number_of(word)
 
     def _do_newcrack(self, line: Line) -> None:
         x, y, *more = self._need(line, 2)
@@ -132,6 +134,9 @@ class Conditions(Base):
         names = ("size", "terms", "gridenergy")
         made = self._add(self._cracks(), "JContour", type=1.0)
         made.attributes |= {k: text_of(v) for k, v in zip(names, self._need(line, 1), strict=False)}
+        if "gridenergy" in made.attributes:
+            table = {"no": 0, "false": 0, "yes": 1, "true": 1}
+            made.attributes["gridenergy"] = str(self._choice(line.values[2], table, "energy of the grid"))
 
     def _do_propagate(self, line: Line) -> None:
         made = self._add(self._cracks(), "Propagate" if line.name == "propagate" else "AltPropagate")

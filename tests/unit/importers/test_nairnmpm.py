@@ -1016,6 +1016,139 @@ def test_loops_and_subroutines_of_scripts():
     assert [(line.name, line.values) for line in lines] == [("values", (9.0, 8.0, 4.0, 0.5))]
 
 
+def script_of(tmp_path, words, old="MaximumTime 3/2"):
+    made = translated(tmp_path, SCRIPT.replace(old, f"{words}\n{old}"))
+    assert made.problems(partial=False) == []
+    load(write(made))
+    return made
+
+
+@pytest.mark.parametrize(("count", "per_axis"), [(1, 1), (2, 2), (3, 3), (4, 4), (9, 3), (16, 4)])
+def test_scripts_count_particles_along_a_side_of_a_cell(tmp_path, count, per_axis):
+    """As NairnFEAMPMViz does; more than 5 are the particles of a cell, as in old scripts."""
+    body = script_of(tmp_path, f"PtsPerElement {count}").scene["bodies"][0]
+    assert body.get("particles_per_axis", 2) == per_axis
+
+
+def test_particles_of_one_region_of_a_script_are_not_those_of_all(tmp_path):
+    with pytest.raises(SceneError, match="not supported: 'PtsPerElement' inside a region"):
+        script_of(tmp_path, "PtsPerElement 3", "  PolyPt 5,1")
+
+
+@pytest.mark.parametrize(
+    ("words", "kind", "expected"),
+    [
+        ("Gravity", "gravity", [0, -9.80665e-3]),
+        ("Gravity 100", "gravity", [1e-4, -9.80665e-3]),
+        ("Gravity 100,0", "gravity", [1e-4, 0]),
+        ('Gravity "100*t",0', "body_force", ["0.0001*t", 0]),
+    ],
+)
+def test_gravity_of_scripts_is_by_default_that_of_the_earth(tmp_path, words, kind, expected):
+    loads = script_of(tmp_path, words).scene["loads"]
+    [load] = [load for load in loads if load["kind"] == kind]
+    assert [getattr(part, "number", part) for part in load["acceleration"]] == (
+        expected if kind == "body_force" else pytest.approx(expected)
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "friction", "heating"),
+    [
+        ("Conduction yes", False, "isothermal"),
+        ('Conduction yes,"isothermal","friction"', True, "isothermal"),
+        ('Conduction yes,"friction","adiabatic"', True, "adiabatic"),
+        ('Conduction no,"mechanical energy"', None, "adiabatic"),
+    ],
+)
+def test_each_option_of_conduction_in_scripts_counts(tmp_path, words, friction, heating):
+    heat = f"StressFreeTemp 300\nMultimaterialMode 0,enabled,avggrad\n{words}"
+    scene = script_of(tmp_path, heat).scene
+    assert scene["method"]["heating"] == heating
+    assert scene.get("heat", {}).get("friction") is friction
+
+
+@pytest.mark.parametrize(
+    ("option", "words"),
+    [
+        ('yes,"crack tips"', "not supported: no counterpart"),
+        ('yes,"radiation"', "not supported: the option 'radiation' of 'Conduction'"),
+        ("maybe", "'maybe' of 'Conduction' is neither yes nor no"),
+    ],
+)
+def test_options_of_conduction_without_a_counterpart(tmp_path, option, words):
+    text = SCRIPT.replace("MaximumTime", f"StressFreeTemp 300\nConduction {option}\nMaximumTime")
+    try:
+        [problem] = translated(tmp_path, text).problems(partial=False)
+    except SceneError as error:
+        problem = str(error)
+    assert words in str(problem)
+
+
+def test_heat_of_friction_without_an_effect_is_ignored_in_words(tmp_path):
+    made = translated(tmp_path, source(more="<Thermal><ContactHeating/></Thermal>"))
+    assert [str(note) for note in made.notes if "nothing conducts heat" in str(note)]
+
+
+def test_scripts_without_a_shape_function_say_which_they_get(tmp_path):
+    made = sound(tmp_path, SCRIPT.replace('MPMMethod "USAVG+","uGIMP"', 'MPMMethod "USL-"'))
+    assert made.scene["method"] | {"transfer": {}} == {"shape": "linear", "update": "usl", "transfer": {}}
+    assert any("NairnFEAMPMViz takes uGIMP" in str(note) for note in made.notes)
+
+
+def test_contact_of_scripts(tmp_path):
+    words = "MultimaterialMode 0,enabled,specify,90,30"
+    text = SCRIPT.replace("  rho sqrt(2.25)", '  rho 1\n  friction .25,"left"')
+    text = text.replace("MaximumTime", f"{words}\nMaximumTime")
+    contact = sound(tmp_path, text).scene["contact"]
+    assert contact["normal"] == {"kind": "specified", "azimuth": 90}
+    [pair] = contact["pairs"]
+    assert pair["law"] == {"kind": "coulomb", "friction": 0.25}
+    with pytest.raises(SceneError, match="the value '3' of 'MultimaterialMode'"):
+        translated(tmp_path, text.replace(words, "MultimaterialMode 0,yes,avggrad,2,3"))
+    with pytest.raises(SceneError, match="the material 'top' of 'friction' is not defined"):
+        translated(tmp_path, text.replace('.25,"left"', '.25,"top"'))
+
+
+def test_a_reversal_of_scripts(tmp_path):
+    task = """CustomTask ReverseLoad
+Parameter quantity,"sxx"
+Parameter material,"right"
+Parameter maxValue,3
+Parameter style,"hold"
+"""
+    scene = sound(tmp_path, SCRIPT + task).scene
+    assert [(event["when"], event["do"]) for event in scene["events"]] == [
+        ("stress_xx[right_half] >= 3", "hold")
+    ]
+
+
+def test_materials_of_scripts_in_xml_have_names_and_numbers(tmp_path):
+    """The number of the tip's material counts the one in XML."""
+    xml = """XMLData "Material","steel"
+<Material Type="1" Name="Steel"><rho>8</rho><E>200000</E><nu>0.3</nu></Material>
+EndXMLData
+"""
+    text = SCRIPT.replace('Material "left"', xml + 'Material "left"')
+    text = text.replace("  a 60", '  a 60\n  criterion 7\n  direction "self similar"\n  JIc 3')
+    text += 'Region "steel",0,0,2\n  Rect 4,4.5,1,3\nEndRegion\n'
+    text += 'NewCrack 1,2\nGrowCrack 2,2,"left"\nJContour 2,1,yes\n'
+    scene = sound(tmp_path, text).scene
+    assert [body["name"] for body in scene["bodies"]] == ["left_half", "right_half", "steel"]
+    growth = scene["cracks"][0]["growth"]["end"]
+    assert (growth["criterion"]["kind"], growth["direction"]) == (
+        "energy_release_rate",
+        {"kind": "self_similar"},
+    )
+    with pytest.raises(SceneError, match="'XMLData' needs the name of its only material"):
+        translated(tmp_path, text.replace('"Material","steel"', '"Material"'))
+
+
+def test_scripts_with_units_but_no_words_are_in_meters(tmp_path):
+    made = translated(tmp_path, SCRIPT.replace("#cell = 0.5", "#cell = 0.5\nConsistentUnits"))
+    assert made.scene["units"] == {"length": "m", "mass": "kg", "time": "s"}
+
+
 def test_times_of_scripts_with_their_own_units(tmp_path):
     made = translated(tmp_path, SCRIPT.replace("#cell = 0.5", '#cell = 0.5\nConsistentUnits "mm","g","ms"'))
     assert made.scene["time"]["end"] == 1.5
