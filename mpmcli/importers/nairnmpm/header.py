@@ -76,14 +76,17 @@ def grid(job: Job, mesh: Command) -> list[dict[str, Any]]:
             return []
         if low.scaled > high.scaled:
             low, high = high, low
-        if job.analysis == "axisymmetric" and axis == 0 and low.scaled < 0 < high.scaled:
-            job.changed(found, "the grid begins at r = 0")
-            low = Value(0.0)
         row = _axis(job, along, "xyz"[axis], low, high)
         if row is None:
             return []
-        rows.append(row)
-        low, high, _ = row
+        low, high, cell = row
+        if job.analysis == "axisymmetric" and axis == 0 and low.scaled < 0 < high.scaled:
+            if abs(low.scaled / cell.scaled - round(low.scaled / cell.scaled)) > 1e-6:
+                job.error(found, "r = 0 is not at a line of the grid")
+                return []
+            job.changed(found, "the grid begins at r = 0")
+            low = Value(0.0)
+        rows.append((low, high, cell))
         for side, attribute in (("lower", "symmin"), ("upper", "symmax")):
             at = job.number(along, attribute)
             if at is not None:

@@ -91,9 +91,9 @@ HISTORIES = {
 """The command that a condition makes, the values before its style, and what its value is called."""
 _MOST = {
     0: "hole gridbc particlebc",
-    1: "title name analysis ptsperelement damping pdamping loadtype customtask contactposition frictionmm contactmm"
+    1: "title name analysis ptsperelement loadtype boundaryid customtask contactposition frictionmm contactmm"
     " friction moveplane gridthickness done endregion endhole",
-    2: "mpmmethod globalarchive polypt propagate altpropagate",
+    2: "mpmmethod damping pdamping globalarchive polypt propagate altpropagate",
     3: "consistentunits feedbackdamping material gravity growcrack jcontour parameter",
     4: "gridhoriz gridvert griddepth newcrack growcrackline loadrect temperature",
     5: "moveline loadline load heatflux multimaterialmode",
@@ -124,6 +124,7 @@ class Base:
         self.crack: Command | None = None
         self.task: Command | None = None
         self.crack_end: tuple[Scalar, Scalar] = (0.0, 0.0)
+        self.boundary: Scalar | None = None  # the number of the conditions that follow
         self.is_3d = self.is_axisymmetric = False
         self.ms: dict[str, Scalar] = {"units": "ms"}  # of times, unless the script declares units
         self.description: list[str] = []

@@ -38,6 +38,9 @@ class Conditions(Base):
     _do_endmovearc = _do_endmovebox = _do_endloadline = _do_endloadarc = _do_endmoveline
     _do_endloadrect = _do_endloadbox = _do_endgridbc = _do_endparticlebc = _do_endmoveline
 
+    def _do_boundaryid(self, line: Line) -> None:
+        self.boundary = line.values[0] if line.values else None
+
     def _do_loadtype(self, line: Line) -> None:
         words = {"net": "net", "perparticle": "perParticle"}
         word = text_of(self._need(line, 1)[0]).lower()
@@ -61,6 +64,7 @@ class Conditions(Base):
         if len(rest) > 1:
             made.attributes["time"] = text_of(rest[1])
         if name == "DisBC":
+            made.attributes |= {"id": text_of(self.boundary)} if self.boundary else {}
             made.attributes |= {k: text_of(v) for k, v in zip(("angle", "angle2"), values[4:], strict=False)}
         if skip == 2:
             made.attributes["face"] = text_of(values[1])

@@ -117,12 +117,10 @@ class _Maker(Conditions):
             self._set("MPMArchive", result=text_of(value).strip())
 
     def _do_damping(self, line: Line) -> None:
-        value = self._need(line, 1)[0]
+        value, *share = self._need(line, 1)
         name = "PDamping" if line.name == "pdamping" else "Damping"
-        if isinstance(value, str):
-            self._set(name, 0.0, function=value)
-        else:
-            self._set(name, value)
+        function = {"function": value} if isinstance(value, str) else {}
+        self._set(name, 0.0 if function else value, **function, **({"PIC": share[0]} if share else {}))
 
     _do_pdamping = _do_damping
 

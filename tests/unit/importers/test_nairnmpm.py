@@ -454,6 +454,22 @@ PULL = """<ParticleBCs><BCLine x1="0" x2="4" y1="4" y2="4" tolerance="*.3"><net/
   <LoadBC dir="2" style="2" load="3"/></BCLine></ParticleBCs>"""
 
 
+@pytest.mark.parametrize(
+    ("xmin", "size", "upper", "cell"),
+    [(-2, 'nx="8"', 6, 1), (-2, 'nx="16"', 6, [0.5, 1]), (-1, 'cellsize="1"', 6, 1), (-2, 'nx="5"', 0, 0)],
+)
+def test_cells_of_axisymmetric_grids_keep_their_size(tmp_path, xmin, size, upper, cell):
+    """The part of the grid with r < 0 is cut off; NairnMPM, too, needs a line of the grid at r = 0."""
+    text = source(analysis=13).replace('xmin="-2"', f'xmin="{xmin}"', 1)
+    text = text.replace('<Horiz cellsize="1"', f"<Horiz {size}")
+    if not cell:
+        [problem] = translated(tmp_path, text).problems(partial=False)
+        assert "r = 0 is not at a line of the grid" in str(problem)
+        return
+    grid = sound(tmp_path, text).scene["grid"]
+    assert (grid["lower"], grid["upper"], grid["cell"]) == ([0, -2], [upper, 6], cell)
+
+
 def test_axisymmetric_forces_are_those_on_the_ring(tmp_path):
     scene = scene_of(tmp_path, analysis=13, more=PULL)
     assert scene["grid"]["lower"] == [0, -2]
@@ -1147,6 +1163,19 @@ EndXMLData
 def test_scripts_with_units_but_no_words_are_in_meters(tmp_path):
     made = translated(tmp_path, SCRIPT.replace("#cell = 0.5", "#cell = 0.5\nConsistentUnits"))
     assert made.scene["units"] == {"length": "m", "mass": "kg", "time": "s"}
+
+
+def test_damping_and_numbers_of_conditions_in_scripts(tmp_path):
+    text = SCRIPT.replace(
+        "MaximumTime", "Damping 5,0\nGlobalArchiveTime 1\nGlobalArchive reactionx,-3\nMaximumTime"
+    )
+    scene = sound(tmp_path, text.replace("MoveLine", "BoundaryID -3\nMoveLine", 1)).scene
+    assert scene["method"]["damping"] == {"grid": 0.005}
+    [column] = scene["archive"]["globals"]["columns"]
+    held = next(entry for entry in scene["boundary"] if entry["kind"] == "velocity")
+    assert column == f"reaction_x[{held['name']}]"
+    found = translated(tmp_path, text.replace("Damping 5,0", "Damping 5,0.2"))
+    assert any("PIC damping" in str(problem) for problem in found.problems(partial=False))
 
 
 def test_times_of_scripts_with_their_own_units(tmp_path):
