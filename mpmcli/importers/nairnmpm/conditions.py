@@ -226,6 +226,10 @@ def _on_faces(job: Job, load: Command, place: Where | None, bodies: Bodies) -> l
         kind, amount = "heat_flux", {"flux": value}
     elif code == 11:
         amount = {"pressure": value.negative}
+    if not heat and (code == 11) != ("cpdi" in job.shape):
+        dead = "acts on the initial area and NairnMPM's on the present one; see follower"
+        follows = "follows the face; NairnMPM's acts on its initial area"
+        job.changed(load, follows if code == 11 else dead)
     window = _window(job, load)
     return [{"kind": kind, "on": _face(body, side), **amount, **window} for body in found]
 

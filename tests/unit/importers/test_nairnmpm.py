@@ -676,6 +676,25 @@ def test_tractions_in_space_are_on_six_faces(tmp_path, place, load, expected):
 
 
 @pytest.mark.parametrize(
+    ("shape", "direction", "words"),
+    [
+        ("uGIMP", 1, ""),
+        ("uGIMP", 11, "follows the face"),
+        ("lCPDI", 1, "acts on the initial area"),
+        ("lCPDI", 11, ""),
+    ],
+)
+def test_tractions_say_whether_their_area_is_that_of_nairnmpm(tmp_path, shape, direction, words):
+    """NairnMPM integrates over the faces of particles, which deform with CPDI only."""
+    load = f'<TractionBC dir="{direction}" face="2" stress="5"/>'
+    box = f'<BCBox xmin="3.5" xmax="4" ymin="0" ymax="4">{load}</BCBox>'
+    text = source(more=f"<ParticleBCs>{box}</ParticleBCs>").replace("<GIMP/>", f'<GIMP type="{shape}"/>')
+    found = [str(note) for note in sound(tmp_path, text).notes if "TractionBC" in str(note)]
+    assert len(found) == bool(words)
+    assert all(words in note for note in found)
+
+
+@pytest.mark.parametrize(
     ("share", "transfer"), [("1", {"kind": "flip"}), ("0", {"kind": "xpic", "order": 1}), ("0.5", None)]
 )
 def test_shares_of_flip(tmp_path, share, transfer):
