@@ -27,13 +27,15 @@ _ORDER = (
     *("version", "title", "units", "analysis", "grid", "method", "heat", "materials", "bodies", "contact"),
     *("cracks", "fracture", "boundary", "loads", "time", "events", "domain", "archive"),
 )
+_BEFORE = b"\xef\xbb\xbf\xff\xfe\x00 \t\r\n"
+"""What may precede XML: marks of UTF-8 and UTF-16, and spaces."""
 _NEEDED = ("Header", "MPMHeader", "Mesh", "MaterialPoints", "Material")
 
 
 def translate(path: Path, partial: bool) -> Translation:
     """Translate a command file of NairnMPM: XML, or a script that makes it."""
     contents = read_source(path)
-    is_script = not contents.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<")
+    is_script = not contents.lstrip(_BEFORE).startswith(b"<")
     source = scripts.read(contents, path) if is_script else parse(contents, path)
     if source.root.name != "JANFEAInput":
         words = f"the file begins with <{source.root.name}>; files of NairnMPM begin with <JANFEAInput>"

@@ -1230,6 +1230,9 @@ BROKEN = {
     "script_sub_itself": ("Sub Ends\nGoSub Ends\nEndSub\nGoSub Ends\n", "more than 50 subroutines"),
     "script_index": ("#x[1] = 2\nMaximumTime #x[2]\n", r"variable #x\[2\] has no value"),
     "script_value": ("MaximumTime 1/(2-2)\n", "1 / 0 has no value"),
+    "script_text": ('#a$="text"\n' + "#a$=#a$&#a$\n" * 40, "a text of more than 100000 characters"),
+    "script_block": ('Material "a","A",1\nHeader\nEndHeader\n', "several values of 'header'"),
+    "script_number": ("Analysis 1e400\n", "'1e400' is not a number"),
     "script_more": ("MaximumTime 1,2\n", "not supported: the value '2' of 'MaximumTime'"),
     "another_root": ("<html/>", "begins with <html>"),
     "no_blocks": ("<JANFEAInput/>", "<Header> is missing"),
@@ -1316,11 +1319,18 @@ def test_numbers_are_read_as_nairnmpm_reads_them(tmp_path):
 
 def test_entities_of_other_encodings_are_expanded():
     text = source(entities='<!ENTITY end "2">', time="<MaxTime>&end;</MaxTime>")
-    for encoding in ("utf-8", "iso-8859-1"):
+    for encoding in ("utf-8", "iso-8859-1", "utf-16"):
         raw = text.replace('version="1.0"?', f'version="1.0" encoding="{encoding}"?').encode(encoding)
         found = parse(raw, Path("x"))
         (time,) = (c for c in found.root.walk() if c.name == "MaxTime")
         assert found.plain(time.text) == "2"
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
+def test_files_with_marks_of_their_encoding_are_xml(tmp_path, encoding):
+    path = tmp_path / "marked.fmcmd"
+    path.write_text(source(), encoding=encoding)
+    assert translate(path, False).scene["bodies"][0]["name"] == "stuff"
 
 
 @pytest.mark.parametrize("seed", range(6))
