@@ -92,8 +92,21 @@ def _run(work: Work) -> None:
     bodies = add_bodies(work, materials)
     add_conditions(work)
     add_loads(work, bodies)
+    _check_functions(work)
     _note_phases(work)
     _note_ignored(work)
+
+
+def _check_functions(work: Work) -> None:
+    """Functions of time have different numbers, and something depends on each."""
+    seen: set[int] = set()
+    for index, function in enumerate(work.given.source.math_functions):
+        keys = ("math_functions", index)
+        if function.id in seen:
+            work.fault((*keys, "id"), f"the function {function.id} is already defined")
+        elif function.id not in work.functions:
+            work.note("ignored", keys, f"nothing depends on the function {function.id}")
+        seen.add(function.id)
 
 
 def _note_phases(work: Work) -> None:

@@ -1,6 +1,6 @@
 """What all parts of a translation share: the source, its grid, sets and particles, and the scene that is made."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,8 @@ class Work:
     grid: RegularGrid
     sets: EntitySets
     cloud: Cloud
+    functions: set[int] = field(default_factory=set)
+    """Functions of time that something depends on."""
 
     @property
     def scene(self) -> dict[str, Any]:
@@ -104,6 +106,7 @@ class Work:
             self.fault((*keys, "math_function_id"), f"there is no math function {function_id}")
             return None
         function = functions[at]
+        self.functions.add(function_id)
         if isinstance(function, SinFunction):
             return self._sine(value, function)
         if isinstance(function, LinearFunction):

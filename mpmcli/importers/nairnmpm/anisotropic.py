@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 from mpmcli.importers.nairnmpm.commands import Command
+from mpmcli.importers.nairnmpm.constants import quotient
 from mpmcli.importers.nairnmpm.job import Job, Material
 from mpmcli.importers.nairnmpm.shapes import NAMES
 from mpmcli.importers.nairnmpm.values import Value
@@ -27,14 +28,49 @@ def with_axes(kind: str, names: dict[str, str], axis: str = "") -> Callable[[Job
 
     def make(job: Job, material: Material) -> Made | None:
         made: Made = {"kind": kind} | ({"axis": axis} if axis else {})
+        others = _axial(job, material.command) if axis else _reversed(job, material.command)
         for theirs, ours in names.items():
-            value = job.needed(material.command, theirs)
+            value = others.get(theirs) or job.needed(material.command, theirs)
             if value is None:
                 return None
             made[ours] = value
         return made
 
     return make
+
+
+def _axial(job: Job, command: Command) -> dict[str, Value]:
+    """Constants that follow from others: of ET, nuT and GT, two are given; nuA is 0.33 by default."""
+    given = {name: job.property(command, name) for name in ("ET", "nuT", "GT", "nuA")}
+    found = {name: value for name, value in given.items() if value is not None}
+    if "nuA" not in found:
+        job.changed(command, "without nuA, NairnMPM's value is 0.33")
+        found["nuA"] = Value(0.33)
+    shear = found.pop("GT", None)
+    if shear is None:
+        return found
+    if "ET" in found and "nuT" in found:
+        job.error(command, "ET, nuT and GT are given, of which two are enough")
+    elif "ET" in found:
+        found["nuT"] = Value(quotient(found["ET"].scaled, 2 * shear.scaled) - 1)
+    elif "nuT" in found:
+        found["ET"] = Value(2 * shear.scaled * (1 + found["nuT"].scaled))
+    return found
+
+
+def _reversed(job: Job, command: Command) -> dict[str, Value]:
+    """Constants that are given with their axes the other way round: Gyx = Gxy, nuyx/Ey = nuxy/Ex."""
+    found: dict[str, Value] = {}
+    for a, b in ("xy", "xz", "yz"):
+        shear, ratio = job.property(command, f"G{b}{a}"), job.property(command, f"nu{b}{a}")
+        if shear is not None:
+            found[f"G{a}{b}"] = shear
+        along, across = job.property(command, f"E{a}"), job.property(command, f"E{b}")
+        if ratio is not None and command.first(f"nu{a}{b}") is not None:
+            job.error(command, f"nu{a}{b} and nu{b}{a} are given, of which one is enough")
+        elif ratio is not None and along is not None and across is not None:
+            found[f"nu{a}{b}"] = Value(ratio.scaled * quotient(along.scaled, across.scaled))
+    return found
 
 
 _HILL = ("xx", "yy", "zz", "xy", "xz", "yz")

@@ -1,5 +1,6 @@
 """What is archived, custom tasks, and heat."""
 
+import re
 from typing import Any
 
 from mpmcli.importers.nairnmpm.commands import Command
@@ -102,11 +103,22 @@ def _fields(job: Job, header: Command) -> list[str]:
     return [name for name in fields if name != "temperature" or job.heats]
 
 
+_CYLINDRICAL = re.compile(r"(s|e|vel|disp|contact|reaction)([RZT]{1,2})([ep]?)\Z")
+
+
+def _cartesian(kind: str) -> str:
+    """A quantity along R, Z and T, in capitals, by the axes x, y and z that stand for them: sZZ is syy, not szz."""
+    found = _CYLINDRICAL.match(kind)
+    if found is None:
+        return kind
+    return found[1] + found[2].translate(str.maketrans("RZT", "xyz")) + found[3]
+
+
 def column_of(job: Job, command: Command, names: list[tuple[str, str]]) -> str | None:
     """The column of a command with ``type`` and perhaps a material, or None after a note."""
-    kind = job.source.plain(command.get("type") or "").strip()
-    if kind.lower() in {"reactionx", "reactiony", "reactionz", "reactionr"}:
-        return _reaction(job, command, kind.lower()[8:].replace("r", "x"))
+    kind = _cartesian(job.source.plain(command.get("type") or "").strip())
+    if kind.lower() in {"reactionx", "reactiony", "reactionz"}:
+        return _reaction(job, command, kind.lower()[8:])
     of = None
     if any(word in command.attributes for word in ("matname", "mat", "material")):
         number = command.attributes.get("mat") or command.attributes.get("material") or ""
@@ -204,19 +216,32 @@ def _periodic(job: Job, task: Command) -> None:
             found[name] = job.plain(parameter, None)
     order = max(1, round(found.get("FMPMOrder", found.get("XPICOrder", 2.0))))
     made: dict[str, Any] = {"kind": "fmpm" if "FMPMOrder" in found else "xpic", "order": order}
-    if found.get("periodicCFL", 0) > 0:
-        made["every_courant"] = Value(found["periodicCFL"])
-    elif found.get("periodicSteps", 0) > 1:
-        made["every_steps"] = round(found["periodicSteps"])
-    if found.get("periodicTime", 0) > 0:
+    steps, courant, time = (found.get(f"periodic{word}", 0) for word in ("Steps", "CFL", "Time"))
+    if steps > 0:
+        made |= {"every_steps": round(steps)} if round(steps) > 1 else {}
+    elif courant > 0:
+        made["every_courant"] = Value(courant)
+    elif time > 0:
         job.note("not_supported", task, "periodicTime; every_courant and every_steps are")
-    job.scene["method"]["transfer"] = made
-    job.made.comments.pop(("method", "transfer"), None)
-    if "heat" in job.scene and found.get("periodicStepsConduction", 0) > 0:
-        steps = round(found["periodicStepsConduction"])
+    if steps > 0 or courant > 0 or time > 0:  # else the motion is updated by FLIP
+        job.scene["method"]["transfer"] = made
+        job.made.comments.pop(("method", "transfer"), None)
+    if "heat" in job.scene:
+        _periodic_heat(job, task, found, order)
+
+
+def _periodic_heat(job: Job, task: Command, found: dict[str, float], order: int) -> None:
+    """FMPM of temperatures; without it they are updated by FLIP."""
+    steps = found.get("periodicStepsConduction", 0)
+    if steps > 0:
         job.scene["heat"]["transfer"] = {"kind": "fmpm", "order": order}
-        if steps > 1:
-            job.scene["heat"]["transfer"]["every_steps"] = steps
+        if round(steps) > 1:
+            job.scene["heat"]["transfer"]["every_steps"] = round(steps)
+        if steps < 1:
+            job.note("not_supported", task, "periodicStepsConduction below 1, which mixes FMPM and FLIP")
+    for name in ("periodicCFLConduction", "periodicTimeConduction"):
+        if found.get(name, 0) > 0 and steps <= 0:
+            job.note("not_supported", task, f"{name}; periodicStepsConduction is")
 
 
 def heat(job: Job, root: Command) -> None:
@@ -224,10 +249,16 @@ def heat(job: Job, root: Command) -> None:
     read = ("Conduction", "EnergyCoupling", "ContactHeating", "FrictionalHeating")
     given = {inside.name for block in root.all("Thermal") for inside in block.all(*read)}
     adiabatic = "EnergyCoupling" in given
+    rubbing = [
+        each for block in root.all("Thermal") for each in block.all("ContactHeating", "FrictionalHeating")
+    ]
+    in_contact = any(inside.name == "MultiMaterialMode" for inside in root.walk())
     if "Conduction" in given:
-        rubs = not given.isdisjoint({"ContactHeating", "FrictionalHeating"})
-        in_contact = any(inside.name == "MultiMaterialMode" for inside in root.walk())
-        job.scene["heat"] = {"friction": rubs} if in_contact else {}
+        job.scene["heat"] = {"friction": bool(rubbing)} if in_contact else {}
+    if "Conduction" not in given or not in_contact:
+        why = "materials are not in contact" if "Conduction" in given else "nothing conducts heat"
+        for each in rubbing:
+            job.note("ignored", each, why)
     if adiabatic or "Conduction" in given:
         job.scene["method"]["heating"] = "adiabatic" if adiabatic else "isothermal"
 

@@ -180,7 +180,7 @@ class Bodies:
             body["particles_per_axis"] = per_axis
         d = len(self.job.axes)
         box = limits(body["region"], d)
-        if self.holes:
+        if self.holes and body["region"]["kind"] != "points":  # NairnMPM keeps listed points in holes
             subtract = [hole for hole in self.holes if _meet(box, limits(hole, d))]
             if subtract:
                 body["region"] = {"kind": "difference", "region": body["region"], "subtract": subtract}
@@ -211,6 +211,8 @@ class Bodies:
         if not self._copy(command, name):
             return
         self._size(command, base)
+        words = "a particle has the level at its centre; in NairnMPM that of most of the pixels under it"
+        job.changed(command, words)
         turns = body_axes(job, command)
         for level in command.all("Intensity"):
             if "mat" not in level.attributes and "matname" not in level.attributes:

@@ -22,7 +22,7 @@ MAX_ENTITY = 100_000
 MAX_TEXT = 1_000_000
 """Characters of one command, and of one attribute."""
 
-NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 OPEN, CLOSE = "\ue000", "\ue001"
 """Marks around the name of an entity."""
 MARK = re.compile(f"{OPEN}([^{OPEN}{CLOSE}]*){CLOSE}")

@@ -35,21 +35,24 @@ def history(job: Job, command: Command, value: Value | None, quantity: str, is_a
     """
     style, when, function = job.check_style(command)
     later = when is not None and when.number > 0 and style in {1, 2, 6}
+    time = "t"  # since the value begins, perhaps before the run
+    if when is not None and when.number != 0:
+        time = f"(t + {raw(when.negative)})" if when.number < 0 else f"(t - {raw(when)})"
     factor = job.unit(quantity).factor
     amount = value if value is not None else Value(0.0, job.unit(quantity))
     start = raw(when) if when is not None else "0"
     if style == 1:
         return Formula(f"{raw(amount)}*(t >= {start})", factor) if later and not is_alone else amount
     if style == 2:
-        past = f"(t - {start})" if is_alone else f"max(0, t - {start})"
-        return Formula(f"{raw(amount)}*{past if later else 't'}", factor)
+        past = time if is_alone or not later else f"max(0, {time[1:-1]})"
+        return Formula(f"{raw(amount)}*{past}", factor)
     if style in {3, 4}:
         return Formula(f"{raw(amount)}*{'sin' if style == 3 else 'cos'}({start}*t)", factor)
     if style == 6:
         if not (function or "").strip():
             job.error(command, "the attribute 'function' is missing")
             return None
-        made = job.formula(command, str(function), quantity, f"(t - {start})" if later else "t")
+        made = job.formula(command, str(function), quantity, time)
         if made is not None and later:
             return Formula(f"({made.text})*(t >= {start})", factor)
         return made
@@ -223,6 +226,10 @@ def _on_faces(job: Job, load: Command, place: Where | None, bodies: Bodies) -> l
         kind, amount = "heat_flux", {"flux": value}
     elif code == 11:
         amount = {"pressure": value.negative}
+    if not heat and (code == 11) != ("cpdi" in job.shape):
+        dead = "acts on the initial area and NairnMPM's on the present one; see follower"
+        follows = "follows the face; NairnMPM's acts on its initial area"
+        job.changed(load, follows if code == 11 else dead)
     window = _window(job, load)
     return [{"kind": kind, "on": _face(body, side), **amount, **window} for body in found]
 

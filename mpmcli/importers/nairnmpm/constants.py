@@ -11,26 +11,22 @@ Made = dict[str, Any]
 
 
 def elastic_constants(job: Job, material: Material, bulk: str = "K", shear: str = "G") -> Made | None:
-    """Elastic constants: E and nu, or K and G; also the wave speed."""
+    """Elastic constants: E and nu, or K and G."""
     command = material.command
     E, nu = job.property(command, "E"), job.property(command, "nu")
     K, G = job.property(command, bulk), job.property(command, shear)
     made: Made
     if E is not None and nu is not None:
         made = {"E": E, "nu": nu}
-        k = E.scaled / (3 * max(1e-12, 1 - 2 * nu.scaled))
-        g = quotient(E.scaled, 2 * (1 + nu.scaled))
     elif K is not None and G is not None:
-        made, k, g = {"K": K, "G": G}, K.scaled, G.scaled
+        made = {"K": K, "G": G}
     elif G is not None and (E is not None or nu is not None):
         other = quotient(E.scaled, 2 * G.scaled) - 1 if E is not None else nu.scaled  # type: ignore[union-attr]
         modulus = E if E is not None else Value(2 * G.scaled * (1 + other))
         made = {"E": modulus, "nu": nu if nu is not None else other}
-        k, g = modulus.scaled / (3 * max(1e-12, 1 - 2 * other)), G.scaled
     else:
         job.error(command, f"elastic constants are missing: two of E, nu, {shear}, or {bulk} and {shear}")
         return None
-    set_speed(job, material, k + 4 * g / 3)
     return made
 
 
@@ -39,12 +35,27 @@ def quotient(a: float, b: float) -> float:
     return a / b if b else math.inf
 
 
-def set_speed(job: Job, material: Material, modulus: float) -> None:
-    """Note the wave speed of a material with this modulus, if its density is known."""
-    rho = material.command.first("rho")
-    density = job.number(rho, None, "density") if rho is not None else None
-    if density is not None and density.scaled > 0 and modulus > 0:
-        material.speed = math.sqrt(modulus / density.scaled)
+def _steinberg(job: Job, command: Command) -> Made | None:
+    """Steinberg, Cochran and Guinan's hardening; by default that of tungsten without hardening, as in NairnMPM."""
+    largest = job.needed(command, "yieldMax", why=", the largest yield stress")
+    defaults = {"yield": 2200.0, "betahard": 0.0, "nhard": 1.0, "GPpG0": 1e-5}
+    if job.heats:
+        defaults["GTpG0"] = -2.2e-4
+    else:
+        job.ignored(command, "no temperature changes in this file", "GTpG0")
+    given = {name: job.property(command, name) for name in defaults}
+    if largest is None:
+        return None
+    for name in (name for name, value in given.items() if value is None):
+        job.changed(command, f"without {name}, NairnMPM's value is {defaults[name]:g}")
+    found = {name: value or Value(defaults[name]) for name, value in given.items()}
+    made: Made = {"kind": "steinberg_cochran_guinan", "yield_stress": found["yield"], "Y_max": largest}
+    made |= {"beta": found["betahard"], "n": found["nhard"], "A": found["GPpG0"]}
+    if job.heats:
+        made["B"] = found["GTpG0"].negative
+        if job.scene.get("_reference") is not None:
+            made["T0"] = job.scene["_reference"]
+    return made
 
 
 def hardening_law(job: Job, command: Command) -> Made | None:
@@ -82,16 +93,8 @@ def hardening_law(job: Job, command: Command) -> Made | None:
         else:
             job.ignored(command, "no temperature changes in this file", "mjc Tmjc")
         return made
-    if law in {"SCGL", "4"} and yield_stress is not None:
-        made = {"kind": "steinberg_cochran_guinan", "yield_stress": yield_stress}
-        made["Y_max"] = get("yieldMax", 2500.0)
-        made |= {"beta": get("betahard", 27.0), "n": get("nhard", 0.36), "alpha0": get("ep0", 0.0)}
-        pressure, temperature = get("GPpG0"), get("GTpG0")
-        if pressure is not None and pressure.number != 0:
-            made["A"] = pressure
-        if temperature is not None and temperature.number != 0:
-            made["B"] = temperature.negative
-        return made
+    if law in {"SCGL", "4"}:
+        return _steinberg(job, command)
     K, n = get("Khard", 0.0), get("nhard", 1.0)
     if law in {"Nonlinear", "2"} and yield_stress is not None and K.scaled > 0:
         return {"kind": "swift", "yield_stress": yield_stress, "eps0": Value(1 / K.scaled), "n": n}

@@ -76,9 +76,9 @@ def _named_law(job: Job, command: Command, attribute: str, chosen: str) -> dict[
         friction, static = job.property(material, "coeff"), job.property(material, "coeffStatic")
         if friction is not None and friction.number < 0:
             return {"kind": "stick"}
-        if friction is None or friction.number == 0:
+        if (friction is None or friction.number == 0) and (static is None or static.number <= 0):
             return {"kind": "frictionless"}
-        made: dict[str, Any] = {"kind": "coulomb", "friction": friction}
+        made: dict[str, Any] = {"kind": "coulomb", "friction": friction or Value(0.0)}
         if static is not None and static.number > 0:
             made["static_friction"] = static
         return made
@@ -119,6 +119,9 @@ def contact(job: Job, header: Command, bodies: Bodies) -> None:
 
 def _normal(job: Job, mode: Command) -> dict[str, Any]:
     code = round(job.plain(mode, "Normals", 2.0))
+    if "Normals" not in mode.attributes:
+        words = "average_gradient stands for the default, which newer versions changed to logistic regression"
+        job.changed(mode, f"without Normals, {words}")
     bias = job.number(mode, "RigidBias")
     polar, azimuth = job.number(mode, "Polar"), job.number(mode, "Azimuth")
     if code not in _NORMALS:
@@ -195,8 +198,11 @@ def rigid(job: Job, bodies: Bodies) -> list[dict[str, Any]]:
             held, moved = [], list(functions)
         else:
             held = [axis for axis in range(len(job.axes)) if material.direction & (1 << axis)]
-            if functions:  # those without a function are then free in NairnMPM
-                held = held[: len(functions)] if 0 in functions else []
+            if functions:  # those without a function are then free in NairnMPM, and all after them
+                first = next(count for count in range(4) if count not in functions)
+                held = held[:first]
+                for index in list(functions)[first:]:
+                    job.note("ignored", command, f"SettingFunction{index + 1}: one before it is missing")
             moved = held
             if not held:
                 material.idle = True

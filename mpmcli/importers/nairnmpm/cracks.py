@@ -203,7 +203,8 @@ def _traction(job: Job, command: Command) -> None:
 
 
 def _arc(job: Job, command: Command) -> tuple[Made | None, list[int]]:
-    ends = {word: job.plain(command, word) for word in ("xmin", "xmax", "ymin", "ymax")}
+    given = {word: job.number(command, word) for word in ("xmin", "xmax", "ymin", "ymax")}
+    ends = {word: 0.0 if value is None else value.scaled for word, value in given.items()}
     job.plain(command, "resolution", 1.0)
     half = [(ends["xmax"] - ends["xmin"]) / 2, (ends["ymax"] - ends["ymin"]) / 2]
     tips = [round(job.plain(command, f"{end}_tip", -1.0)) for end in ("start", "end")]

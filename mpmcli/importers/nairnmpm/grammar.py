@@ -132,6 +132,8 @@ FRACTURE = (
 """Properties of materials that only the growth of cracks uses."""
 TRANSPORT = "D Dx Dy Dz DA DT DR DZ csat beta betax betay betaz betaA betaT Cp Cv kCond"
 """Properties of materials that only conduction and diffusion use."""
+CONDUCTIVITIES = "kCondA kCondT kCondx kCondy kCondz kCondR kCondZ"
+"""Conductivities along the axes of a material."""
 
 _PROPERTIES = {
     "t": "Hardening Softening Initiation SofteningI SofteningII transition",

@@ -5,7 +5,10 @@ from typing import Any
 from mpmcli.importers.nairnmpm.commands import Command
 from mpmcli.importers.nairnmpm.job import Job
 from mpmcli.importers.nairnmpm.places import SIDES
-from mpmcli.importers.nairnmpm.values import Value
+from mpmcli.importers.nairnmpm.values import Value, scaled
+from mpmcli.materials import MATERIALS
+from mpmcli.scene.context import Context
+from mpmcli.scene.units import Units
 
 ANALYSES = {10: "plane_strain", 11: "plane_stress", 12: "3d", 13: "axisymmetric"}
 _SHAPES = {
@@ -13,7 +16,10 @@ _SHAPES = {
     **dict.fromkeys(("uGIMP", "GIMP", "1", "Finite"), "ugimp"),
     **dict.fromkeys(("lCPDI", "CPDI", "2"), "lcpdi"),
     **dict.fromkeys(("qCPDI", "3"), "qcpdi"),
-    **{"B2GIMP": "b2gimp", "B2SPLINE": "bspline2", "B2CPDI": "b2cpdi"},
+    "4": "ugimp",
+    **dict.fromkeys(("B2GIMP", "5"), "b2gimp"),
+    **dict.fromkeys(("B2SPLINE", "6"), "bspline2"),
+    **dict.fromkeys(("B2CPDI", "7"), "b2cpdi"),
 }
 _UPDATES = {0: "usf", 2: "usavg", 3: "usl"}
 
@@ -32,9 +38,8 @@ def header(job: Job, command: Command) -> None:
         job.legacy = False
         replaced = {"sec": "s", "msec": "ms", "microns": "um"}
         named = {name: inside.get(name) or "" for name in ("length", "mass", "time")}
-        units = (
-            {name: replaced.get(word, word) for name, word in named.items()} if all(named.values()) else None
-        )
+        is_named = all(named.values()) and not set(named.values()) & set("LMT")
+        units = {name: replaced.get(word, word) for name, word in named.items()} if is_named else None
     job.unsupported(command, "a switch of developers", "DevelFlag")
     description = command.last("Description")
     lines = [line.strip() for line in description.text.splitlines() if line.strip()] if description else []
@@ -71,14 +76,17 @@ def grid(job: Job, mesh: Command) -> list[dict[str, Any]]:
             return []
         if low.scaled > high.scaled:
             low, high = high, low
-        if job.analysis == "axisymmetric" and axis == 0 and low.scaled < 0 < high.scaled:
-            job.changed(found, "the grid begins at r = 0")
-            low = Value(0.0)
         row = _axis(job, along, "xyz"[axis], low, high)
         if row is None:
             return []
-        rows.append(row)
-        low, high, _ = row
+        low, high, cell = row
+        if job.analysis == "axisymmetric" and axis == 0 and low.scaled < 0 < high.scaled:
+            if abs(low.scaled / cell.scaled - round(low.scaled / cell.scaled)) > 1e-6:
+                job.error(found, "r = 0 is not at a line of the grid")
+                return []
+            job.changed(found, "the grid begins at r = 0")
+            low = Value(0.0)
+        rows.append((low, high, cell))
         for side, attribute in (("lower", "symmin"), ("upper", "symmax")):
             at = job.number(along, attribute)
             if at is not None:
@@ -141,6 +149,8 @@ def method(job: Job, command: Command) -> None:
         word = shape.get("type") or "uGIMP"
         if word in _SHAPES:
             job.shape = _SHAPES[word]
+            if word in {"Finite", "4"}:
+                job.changed(shape, "domains of particles keep their size; lcpdi deforms them")
         else:
             job.unsupported(shape, f"type '{word}'")
     made["shape"] = job.shape
@@ -233,7 +243,7 @@ def time(job: Job, command: Command) -> None:
     if cfl is None:
         job.made.comment(["time"], "0.5 is NairnMPM's default")
     if step is not None:
-        speed = max((material.speed for material in job.materials if material.used), default=0.0)
+        speed = _wave_speed(job)
         courant = cfl.number if cfl is not None else 0.5
         limit = courant * min(job.cell) / speed if speed > 0 and job.cell else made["end"].scaled
         if 0 < step.scaled < limit:
@@ -244,12 +254,30 @@ def time(job: Job, command: Command) -> None:
     job.scene["time"] = made
 
 
+def _wave_speed(job: Job) -> float:
+    """The largest wave speed of the materials, in the scene's units; 0 if none has one."""
+    context = Context(Units(), {})
+    analysis = "plane_strain" if job.analysis == "plane_stress" else job.analysis
+    speeds = [0.0]
+    for made in job.scene["materials"].values():
+        try:
+            model: Any = MATERIALS[made["kind"]].model_validate(scaled(made), context=context)
+        except ValueError:
+            continue  # said by the check of the scene
+        speeds.append(model.initial_wave_speed(analysis))
+    return max(speeds)
+
+
 def display(job: Job, command: Command) -> None:
     """What is archived of cracks without cracks, and what happens to particles that leave."""
     if not job.scene.get("cracks"):
         job.ignored(command, "there are no cracks in this file", "CrackArchiveOrder")
-    for inside in command.all("LeaveLimit", "DeleteLimit"):
+    for inside in command.all("LeaveLimit"):
         count = round(job.plain(inside, None))
-        if count > 1 or inside.name == "DeleteLimit":
+        if abs(count) > 1:
             job.scene["domain"] = {"on_exit": "delete"}
-            job.changed(inside, "particles that leave are deleted, however many")
+            words = "" if count < 0 else ", which newer versions of NairnMPM push back"
+            job.changed(inside, f"particles that leave are deleted, however many{words}")
+    for inside in command.all("DeleteLimit"):
+        if job.plain(inside, None) > 1:
+            job.changed(inside, "a particle whose state is no number ends the run")

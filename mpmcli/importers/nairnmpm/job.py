@@ -46,8 +46,6 @@ class Material:
     used: bool = False
     idle: bool = False
     """Whether its bodies are rigid and without effect."""
-    speed: float = 0.0
-    """Wave speed in the scene's units, 0 if it is not known."""
     direction: int = 0
     """Directions in which a rigid material holds nodes: 1 x, 2 y, 4 z, their sums; 8: contact."""
 

@@ -112,7 +112,7 @@ class _Script:
     def _block(self, word: str, rest: str, number: int) -> Line:
         first = self.at
         self._skip_to(word, f"end{word}")
-        return Line(word, (rest, "\n".join(self.lines[first : self.at - 1])), number, rest)
+        return Line(word, (rest, "\n".join(self.lines[first : self.at - 1])), number, f"{word} {rest}")
 
     def _skip_to(self, word: str, end: str) -> None:
         """Go on after the end of the block that the line before began."""

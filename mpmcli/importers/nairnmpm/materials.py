@@ -3,12 +3,12 @@
 from collections.abc import Callable
 from typing import Any
 
-from mpmcli.importers.nairnmpm.anisotropic import AXIAL, ORTHOTROPIC, hill, with_axes
+from mpmcli.importers.nairnmpm.anisotropic import ANISOTROPIC, AXIAL, ORTHOTROPIC, hill, with_axes
 from mpmcli.importers.nairnmpm.commands import Command
 from mpmcli.importers.nairnmpm.constants import elastic_constants, hardening_law, quotient
 from mpmcli.importers.nairnmpm.damage import snow, softening
 from mpmcli.importers.nairnmpm.fluids import ideal_gas, mie_gruneisen, tait_fluid
-from mpmcli.importers.nairnmpm.grammar import FRACTURE, TRANSPORT
+from mpmcli.importers.nairnmpm.grammar import CONDUCTIVITIES, FRACTURE, TRANSPORT
 from mpmcli.importers.nairnmpm.job import Job, Material, slug
 from mpmcli.importers.nairnmpm.values import Value
 
@@ -85,12 +85,13 @@ def _one(job: Job, material: Material) -> Made | None:
         return None
     made = maker(job, material)
     if made is not None:
-        _common(job, command, made)
+        _common(job, material, made)
     return made
 
 
-def _common(job: Job, command: Command, made: Made) -> None:
+def _common(job: Job, material: Material, made: Made) -> None:
     """Density, expansion, heat, and what has no counterpart."""
+    command = material.command
     rho = job.property(command, "rho", "density", shown=True)
     if rho is None:
         rho = Value(1.0, job.unit("density"), shown=True)
@@ -99,19 +100,10 @@ def _common(job: Job, command: Command, made: Made) -> None:
     order = ["kind", "density", *(key for key in made if key not in {"kind", "density"})]
     for key in order:
         made[key] = made.pop(key)
-    alpha = job.property(command, "alpha", "expansion")
     if job.heats:
-        if alpha is None and made["kind"] == "linear_elastic":
-            alpha = Value(40.0, job.unit("expansion"))
-            job.changed(command, "without alpha, NairnMPM's expansion is 40e-6/K")
-        if alpha is not None and alpha.number != 0:
-            made["expansion"] = alpha
-        heat = job.property(command, "Cv") or job.property(command, "Cp")
-        if heat is not None:
-            made["heat_capacity"] = heat
-        elif "heat" in job.scene and "heat_capacity" not in made and made["kind"] != "ideal_gas":
-            made["heat_capacity"] = Value(1.0)
-            job.changed(command, "without Cv, NairnMPM's heat capacity is 1")
+        _expansion(job, material, made)
+        if made["kind"] != "ideal_gas":
+            _heat_capacity(job, command, made)
         conductivity = job.property(command, "kCond", "conductivity", shown=True)
         conducts = "heat" in job.scene and not job.scene.get("_insulates")
         if "heat" in job.scene:
@@ -123,22 +115,51 @@ def _common(job: Job, command: Command, made: Made) -> None:
         reference = job.scene.get("_reference")
         if reference is not None:
             made["T0"] = reference
-    for names, words in (
-        ("alpha alphaA alphaT alphax alphay alphaz", "no temperature changes in this file"),
-        (
-            TRANSPORT,
-            "no transport in this file" if not job.heats else "used in NairnMPM's other transport only",
-        ),
-    ):
-        for inside in command.all(*names.split()):
-            if not inside.used and not inside.attributes and not (job.heats and inside.name in _HEAT):
-                job.ignored(inside, words)
+    else:
+        job.ignored(command, "no temperature changes in this file", " ".join(_EXPANSIONS))
+    words = "no transport in this file" if not job.heats else "used in NairnMPM's other transport only"
+    unused = TRANSPORT.split() + ([] if job.heats else CONDUCTIVITIES.split())
+    read = {"Cp", "Cv"} if job.heats or material.kind in _WITH_CAPACITY else set()
+    read |= {"kCond"} if job.heats else set()
+    for inside in command.all(*(name for name in unused if name not in read)):
+        job.ignored(inside, words)
     if not job.scene.get("_cracks"):
         job.ignored(command, "there are no cracks in this file", f"{FRACTURE} Propagate AltPropagate")
     _particle_damping(job, command)
 
 
-_HEAT = {"alpha", "Cp", "Cv", "kCond"}
+_WITH_CAPACITY = {17, 22, 25}
+"""Types of materials whose equation of state reads a heat capacity."""
+_EXPANSIONS = ("alpha", "alphaA", "alphaT", "alphax", "alphay", "alphaz")
+_EXPANDING = {1, 7, 9, 50}
+"""Types of isotropic materials that expand by 40e-6/K without ``alpha``."""
+
+
+def _expansion(job: Job, material: Material, made: Made) -> None:
+    """Thermal expansion, which has to be the same along all axes of a material."""
+    command = material.command
+    names: tuple[str, ...] = ("alpha",)
+    if material.kind in ANISOTROPIC:
+        names = ("alphaA", "alphaT") if material.kind in {2, 3} else ("alphax", "alphay", "alphaz")
+    found = [job.property(command, name, "expansion") for name in names]
+    if material.kind in _EXPANDING | ANISOTROPIC:
+        for name in (name for name, value in zip(names, found, strict=True) if value is None):
+            job.changed(command, f"without {name}, NairnMPM's expansion is 40e-6/K")
+    default = Value(40.0 if material.kind in _EXPANDING | ANISOTROPIC else 0.0, job.unit("expansion"))
+    along = [value or default for value in found]
+    if any(value.scaled != along[0].scaled for value in along):
+        job.note("not_supported", command, f"expansions that differ along axes: {', '.join(names)}")
+    elif along[0].number != 0:
+        made["expansion"] = along[0]
+
+
+def _heat_capacity(job: Job, command: Command, made: Made) -> None:
+    heat = job.property(command, "Cv") or job.property(command, "Cp")
+    if heat is not None:
+        made["heat_capacity"] = heat
+    elif "heat" in job.scene and "heat_capacity" not in made:
+        made["heat_capacity"] = Value(1.0)
+        job.changed(command, "without Cv, NairnMPM's heat capacity is 1")
 
 
 def _particle_damping(job: Job, command: Command) -> None:
@@ -230,9 +251,14 @@ def _viscoelastic(job: Job, material: Material) -> Made | None:
     for inside in command.all("pressureLaw"):
         if job.plain(inside, None):
             job.unsupported(inside, "an equation of state with viscoelasticity")
+    if found is None:
+        return None
+    if not terms:
+        job.changed(command, "without relaxation times, the material is elastic")
+        return {"kind": "linear_elastic", **found}
     made["terms"] = terms
     _shift(job, command, made)
-    return made if found is not None and terms else None
+    return made
 
 
 def _shift(job: Job, command: Command, made: Made) -> None:
@@ -264,7 +290,7 @@ def _plastic(job: Job, material: Material, shear: str = "G") -> Made | None:
 
 
 def _hyper_plastic(job: Job, material: Material) -> Made | None:
-    made = _plastic(job, material, "G1")
+    made = _plastic(job, material, "G1" if material.command.first("G1") is not None else "G")
     _volumetric(job, material.command)
     if made is not None:
         job.changed(material.command, "the elasticity is logarithmic here, neo-Hookean in NairnMPM")

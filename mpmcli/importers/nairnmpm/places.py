@@ -113,9 +113,11 @@ def _tolerance(job: Job, shape: Command) -> float:
     if not text:
         return 0.01 * min(job.cell)
     try:
-        return float(text[1:]) * min(job.cell) if text.startswith("*") else job.plain(shape, "tolerance")
+        cells = float(text[1:]) if text.startswith("*") else None
     except ValueError:
         return 0.01 * min(job.cell)
+    width = job.number(shape, "tolerance") if cells is None else Value(cells * min(job.cell))
+    return 0.01 * min(job.cell) if width is None else width.scaled
 
 
 def _ends(job: Job, shape: Command, names: Iterable[str]) -> list[list[float]] | None:

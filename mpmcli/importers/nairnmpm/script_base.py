@@ -36,7 +36,11 @@ TYPES = {
 STYLES = {"constant": 1, "linear": 2, "sine": 3, "cosine": 4, "silent": 5, "function": 6}
 AXES = {"x": 1, "y": 2, "z": 3, "normal": 11, "shear": 12, "skewxy": 12, "skewrz": 12, "external": 1}
 PROPERTIES = {"a": "alpha", "ax": "alphax", "ay": "alphay", "az": "alphaz", "aa": "alphaA", "at": "alphaT"}
-PROPERTIES |= {"direction": "SetDirection", "hardening": "Hardening"}
+PROPERTIES |= {"ka": "kCondA", "kt": "kCondT", "kx": "kCondx", "ky": "kCondy", "kz": "kCondz"}
+PROPERTIES |= {"direction": "SetDirection", "hardening": "Hardening", "matdamping": "PDamping"}
+PROPERTIES |= {"temperature": "SetTemperature", "concentration": "SetConcentration"}
+GROWTH = {"criterion", "direction", "altcriterion", "altdirection"}
+"""Properties of a material that say how cracks grow in it."""
 PLACES: dict[str, tuple[tuple[str, ...], int]] = {
     "line": (("x1", "y1", "x2", "y2", "tolerance"), 4),
     "arc": (("x1", "y1", "x2", "y2", "start", "end", "tolerance"), 6),
@@ -62,11 +66,19 @@ SETTINGS = {
     "globalarchivetime": ("GlobalArchiveTime",),
     "leavelimit": ("LeaveLimit",),
     "maximumtime": ("MaxTime",),
-    "ptsperelement": ("MatlPtsPerElement",),
     "stressfreetemp": ("StressFreeTemp",),
     "timestep": ("TimeStep", "MaxTime", "TimeFactor"),
 }
 """The command of MPMHeader that each value of a script's command makes."""
+HEATS = {
+    "isothermal": "",
+    "adiabatic": "EnergyCoupling",
+    "mechanical energy": "EnergyCoupling",
+    "crack tips": "CrackTipHeating",
+    "friction": "ContactHeating",
+    "crack friction": "CrackContactHeating",
+}
+"""The command of Thermal that each option of ``Conduction`` makes."""
 TIMES = {"ArchiveTime", "FirstArchiveTime", "GlobalArchiveTime", "MaxTime", "TimeStep"}
 """Those of them that are times."""
 HISTORIES = {
@@ -79,12 +91,12 @@ HISTORIES = {
 """The command that a condition makes, the values before its style, and what its value is called."""
 _MOST = {
     0: "hole gridbc particlebc",
-    1: "title name analysis damping pdamping loadtype customtask contactposition frictionmm contactmm friction"
-    " moveplane gridthickness done endregion endhole",
-    2: "mpmmethod globalarchive polypt propagate altpropagate conduction",
+    1: "title name analysis ptsperelement loadtype boundaryid customtask contactposition frictionmm contactmm"
+    " friction moveplane gridthickness done endregion endhole",
+    2: "mpmmethod damping pdamping globalarchive polypt propagate altpropagate",
     3: "consistentunits feedbackdamping material gravity growcrack jcontour parameter",
-    4: "gridhoriz gridvert griddepth multimaterialmode newcrack growcrackline loadrect temperature",
-    5: "moveline loadline load heatflux",
+    4: "gridhoriz gridvert griddepth newcrack growcrackline loadrect temperature",
+    5: "moveline loadline load heatflux multimaterialmode",
     6: "gridrect traction velocity rect oval box sphere",
     7: "movearc loadarc movebox loadbox line",
     8: "cylinder",
@@ -112,6 +124,7 @@ class Base:
         self.crack: Command | None = None
         self.task: Command | None = None
         self.crack_end: tuple[Scalar, Scalar] = (0.0, 0.0)
+        self.boundary: Scalar | None = None  # the number of the conditions that follow
         self.is_3d = self.is_axisymmetric = False
         self.ms: dict[str, Scalar] = {"units": "ms"}  # of times, unless the script declares units
         self.description: list[str] = []
@@ -148,6 +161,10 @@ class Base:
         if value.lower() not in table:
             raise ScriptError(f"not supported: the {what} '{value}'")
         return table[value.lower()]
+
+    def _number_of(self, key: str) -> str:
+        """The number of a material by its name in the script."""
+        return str(list(self.ids).index(key) + 1)
 
     def _into(self) -> Command:
         found = self.body or self.shape

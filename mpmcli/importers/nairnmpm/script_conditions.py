@@ -38,6 +38,9 @@ class Conditions(Base):
     _do_endmovearc = _do_endmovebox = _do_endloadline = _do_endloadarc = _do_endmoveline
     _do_endloadrect = _do_endloadbox = _do_endgridbc = _do_endparticlebc = _do_endmoveline
 
+    def _do_boundaryid(self, line: Line) -> None:
+        self.boundary = line.values[0] if line.values else None
+
     def _do_loadtype(self, line: Line) -> None:
         words = {"net": "net", "perparticle": "perParticle"}
         word = text_of(self._need(line, 1)[0]).lower()
@@ -61,13 +64,16 @@ class Conditions(Base):
         if len(rest) > 1:
             made.attributes["time"] = text_of(rest[1])
         if name == "DisBC":
+            made.attributes |= {"id": text_of(self.boundary)} if self.boundary else {}
             made.attributes |= {k: text_of(v) for k, v in zip(("angle", "angle2"), values[4:], strict=False)}
         if skip == 2:
             made.attributes["face"] = text_of(values[1])
 
     def _do_gravity(self, line: Line) -> None:
-        for axis, value in zip("XYZ", line.values, strict=False):
-            self._add(self._block("Gravity"), f"Body{axis}Force", value)
+        earth = (0.0, -9806.65 if self.ms else -9.80665, 0.0)
+        for axis, value in zip("XYZ", line.values + earth[len(line.values) :], strict=True):
+            name = f"GridBody{axis}Force" if isinstance(value, str) else f"Body{axis}Force"
+            self._add(self._block("Gravity"), name, value)
 
     # ------------------------------------------------------------------ cracks
 
@@ -91,7 +97,7 @@ class Conditions(Base):
             return "-2"
         if word not in self.ids:
             raise ScriptError(f"the material '{word[:40]}' of the tip is not defined")
-        return str(list(self.ids).index(word) + 1)
+        return self._number_of(word)
 
     def _do_newcrack(self, line: Line) -> None:
         x, y, *more = self._need(line, 2)
@@ -132,6 +138,9 @@ class Conditions(Base):
         names = ("size", "terms", "gridenergy")
         made = self._add(self._cracks(), "JContour", type=1.0)
         made.attributes |= {k: text_of(v) for k, v in zip(names, self._need(line, 1), strict=False)}
+        if "gridenergy" in made.attributes:
+            table = {"no": 0, "false": 0, "yes": 1, "true": 1}
+            made.attributes["gridenergy"] = str(self._choice(line.values[2], table, "energy of the grid"))
 
     def _do_propagate(self, line: Line) -> None:
         made = self._add(self._cracks(), "Propagate" if line.name == "propagate" else "AltPropagate")

@@ -7,6 +7,10 @@ from collections.abc import Callable
 Scalar = float | str
 
 
+MAX_TEXT = 100_000
+"""Characters of one text."""
+
+
 class ScriptError(ValueError):
     """A line of a script cannot be run; the words say why, ``line`` where, if known."""
 
@@ -50,9 +54,12 @@ def split(text: str) -> list[str]:
 def number_of(value: Scalar) -> float:
     if isinstance(value, str):
         try:
-            return float(value)
+            made = float(value)
         except ValueError:
-            raise ScriptError(f"'{value[:40]}' is not a number") from None
+            made = math.nan
+        if not math.isfinite(made):
+            raise ScriptError(f"'{value[:40]}' is not a number")
+        return made
     return value
 
 
@@ -132,6 +139,8 @@ class Reader:
         while self._peek() == "&":
             self._take()
             made = text_of(made) + text_of(self._sum())
+            if len(made) > MAX_TEXT:
+                raise ScriptError(f"a text of more than {MAX_TEXT} characters")
         return made
 
     def _sum(self) -> Scalar:
@@ -158,7 +167,7 @@ class Reader:
     def _atom(self) -> Scalar:
         kind, word = self._take()
         if kind == "number":
-            return float(word)
+            return number_of(word)
         if kind == "string":
             return word[1:-1]
         if kind == "variable":

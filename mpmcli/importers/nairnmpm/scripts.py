@@ -10,14 +10,14 @@ from mpmcli.importers.nairnmpm.script_conditions import Conditions
 from mpmcli.importers.nairnmpm.script_values import Scalar, ScriptError, text_of
 
 
-def read(text: str, path: Path) -> CommandFile:
+def read(contents: bytes, path: Path) -> CommandFile:
     """The commands that a script makes.
 
     Raises SceneError with the line of the first command that cannot be run or is not known.
     """
     maker = _Maker(path)
     try:
-        for line in run(text):
+        for line in run(contents.decode("utf-8", errors="replace")):
             maker.take(line)
         maker.finish()
     except ScriptError as error:
@@ -81,7 +81,7 @@ class _Maker(Conditions):
 
     def _do_consistentunits(self, line: Line) -> None:
         self.ms = {}
-        units = dict(zip(("length", "mass", "time"), line.values, strict=False))
+        units = dict(zip(("length", "mass", "time"), line.values or ("m", "kg", "s"), strict=False))
         self._add(self.blocks["Header"], "ConsistentUnits", **units)
 
     def _do_mpmmethod(self, line: Line) -> None:
@@ -96,6 +96,14 @@ class _Maker(Conditions):
         for name, value in zip(tables.SETTINGS[line.name], self._need(line, 1), strict=False):
             self._set(name, value, **(self.ms if name in tables.TIMES else {}))
 
+    def _do_ptsperelement(self, line: Line) -> None:
+        count = self._need(line, 1)[0]
+        if self.body is not None:
+            raise ScriptError("not supported: 'PtsPerElement' inside a region")
+        if isinstance(count, float) and 1 <= count <= (3 if self.is_3d else 5):
+            count = count ** (3 if self.is_3d else 2)  # larger ones are totals, of old scripts
+        self._set("MatlPtsPerElement", count)
+
     def _do_globalarchive(self, line: Line) -> None:
         values = self._need(line, 1)
         owner = {}
@@ -109,12 +117,10 @@ class _Maker(Conditions):
             self._set("MPMArchive", result=text_of(value).strip())
 
     def _do_damping(self, line: Line) -> None:
-        value = self._need(line, 1)[0]
+        value, *share = self._need(line, 1)
         name = "PDamping" if line.name == "pdamping" else "Damping"
-        if isinstance(value, str):
-            self._set(name, 0.0, function=value)
-        else:
-            self._set(name, value)
+        function = {"function": value} if isinstance(value, str) else {}
+        self._set(name, 0.0 if function else value, **function, **({"PIC": share[0]} if share else {}))
 
     _do_pdamping = _do_damping
 
@@ -123,14 +129,20 @@ class _Maker(Conditions):
         self._set("FeedbackDamping", self._need(line, 1)[0], **more)
 
     def _do_xmldata(self, line: Line) -> None:
-        where = text_of(line.values[0]).split(",")[0].strip().strip('"')
+        words = [word.strip().strip('"') for word in text_of(line.values[0]).split(",")]
+        where, key = words[0], "".join(words[1:2])
         found = parse(f"<x>{line.values[1]}</x>".encode(), self.path).root
         for command in found.walk():
             command.line += line.number
-        target = self.root if where in {"", "end"} else self._block(where)
+        if where.lower() in {"", "end", "material"}:
+            self.root.children += found.children
+        else:
+            self._block(where).children += found.children
         if where.lower() == "material":
-            target = self.root
-        target.children += found.children
+            material = found.first("Material")
+            if not key or material is None or len(found.children) > 1:
+                raise ScriptError("'XMLData' needs the name of its only material")
+            self.ids[key] = material.attributes.get("Name", key)
 
     # ----------------------------------------------------------------- contact
 
@@ -140,8 +152,12 @@ class _Maker(Conditions):
         if len(values) > 2:
             mode.attributes["Normals"] = text_of(float(self._choice(values[2], tables.NORMALS, "normal")))
         if len(values) > 3:
-            name = "Azimuth" if mode.attributes["Normals"] == "4" else "RigidBias"
-            mode.attributes[name] = text_of(values[3])
+            names = ("Azimuth", "Polar") if mode.attributes["Normals"] == "4" else ("RigidBias",)
+            if len(values) > 3 + len(names):
+                raise ScriptError(
+                    f"not supported: the value '{text_of(values[4])[:40]}' of 'MultimaterialMode'"
+                )
+            mode.attributes |= {name: text_of(v) for name, v in zip(names, values[3:], strict=False)}
 
     def _mode(self) -> Command:
         mode = self.blocks["MPMHeader"].first("MultiMaterialMode")
@@ -187,11 +203,41 @@ class _Maker(Conditions):
         name = tables.PROPERTIES.get(word.lower(), word)
         if word.lower() == "color":
             return  # displayed only
+        if word.lower() in tables.GROWTH and not (word.lower() == "direction" and self._is_rigid()):
+            self._growth(word.lower(), self._need(line, 1)[0])
+            return
+        if word.lower() in {"friction", "contact"}:
+            self._pair(word.lower(), self._need(line, 2))
+            return
         if len(line.values) > 1:
             raise ScriptError(f"not supported: several values of '{word}'")
         if word.lower().startswith("settingfunction"):
             name = "SettingFunction" + {"x": "", "y": "2", "z": "3"}.get(word[15:].lower(), word[15:])
         self._add(self.material, name, line.values[0] if line.values else "")
+
+    def _is_rigid(self) -> bool:
+        return self.material is not None and self.material.attributes["Type"] == "11"
+
+    def _growth(self, word: str, value: Scalar) -> None:
+        """The criterion or the direction of the growth of cracks in a material."""
+        assert self.material is not None
+        name = "AltPropagate" if word.startswith("alt") else "Propagate"
+        made = self.material.first(name) or self._add(self.material, name)
+        key = word.removeprefix("alt")
+        table = tables.CRITERIA if key == "criterion" else tables.DIRECTIONS
+        made.attributes[key] = str(self._choice(value, table, key))
+
+    def _pair(self, word: str, values: tuple[Scalar, ...]) -> None:
+        """Contact of a material with another one."""
+        assert self.material is not None
+        law, other = values[0], text_of(values[1])
+        if len(values) > 2 or other not in self.ids:
+            raise ScriptError(f"the material '{text_of(values[-1])[:40]}' of '{word}' is not defined")
+        made = self._add(self.material, "Friction", matname=self.ids[other])
+        if word == "contact":
+            made.attributes["lawname"] = self.ids.get(text_of(law), text_of(law))
+        else:
+            made.text = text_of(self._choice_of_friction(law))
 
     # -------------------------------------------------------------------- grid
 
@@ -282,11 +328,16 @@ class _Maker(Conditions):
     # ------------------------------------------------------------------- tasks
 
     def _do_conduction(self, line: Line) -> None:
-        words = [text_of(value).lower() for value in line.values]
-        if words and words[0] == "yes":
-            self._add(self._block("Thermal"), "Conduction")
-        if len(words) > 1 and words[1] in {"adiabatic", "mechanical energy"}:
-            self._add(self._block("Thermal"), "EnergyCoupling")
+        first, *more = (text_of(value).lower() for value in self._need(line, 1))
+        if first not in {"yes", "no"}:
+            raise ScriptError(f"'{first[:40]}' of 'Conduction' is neither yes nor no")
+        for word in more:
+            if word not in tables.HEATS:
+                raise ScriptError(f"not supported: the option '{word[:40]}' of 'Conduction'")
+        made = {"Conduction"} if first == "yes" else set()
+        for name in [*sorted(made), *dict.fromkeys(tables.HEATS[word] for word in more)]:
+            if name:
+                self._add(self._block("Thermal"), name)
 
     def _do_customtask(self, line: Line) -> None:
         self.task = self._add(self._block("CustomTasks"), "Schedule", name=self._need(line, 1)[0])
@@ -294,8 +345,14 @@ class _Maker(Conditions):
     def _do_parameter(self, line: Line) -> None:
         if self.task is None:
             raise ScriptError("'CustomTask' must come first")
-        values = self._need(line, 1)
-        self._add(self.task, "Parameter", values[1] if len(values) > 1 else "", name=values[0])
+        name, *more = self._need(line, 1)
+        if self.task.attributes["name"] == "ReverseLoad" and more:
+            if name == "quantity":
+                name, more = f"global {text_of(more[0])}", []
+            elif name == "material":
+                key = text_of(more[0])
+                name, more = "mat", [self._number_of(key) if key in self.ids else more[0]]
+        self._add(self.task, "Parameter", more[0] if more else "", name=name)
 
     def _do_stop(self, line: Line) -> None:
         raise ScriptError(f"the script stops: {text_of(line.values[0]) if line.values else ''}")

@@ -5,7 +5,7 @@ from typing import Any
 from mpmcli.importers.nairnmpm.commands import Command
 from mpmcli.importers.nairnmpm.grammar import SHAPES
 from mpmcli.importers.nairnmpm.job import Job
-from mpmcli.importers.nairnmpm.values import Value
+from mpmcli.importers.nairnmpm.values import Value, scaled
 from mpmcli.scene.context import Context
 from mpmcli.scene.units import Units
 
@@ -29,19 +29,10 @@ def limits(made: dict[str, Any], d: int) -> Box | None:
     if made["kind"] in {"bitmap", "points"}:
         return None
     try:
-        lower, upper = Context(Units(), {}).region(_plain(made)).bounds(d)
+        lower, upper = Context(Units(), {}).region(scaled(made)).bounds(d)
     except ValueError:
         return None
     return lower.tolist(), upper.tolist()
-
-
-def _plain(member: Any) -> Any:
-    """A part of a region with numbers in place of values."""
-    if isinstance(member, dict):
-        return {key: _plain(value) for key, value in member.items()}
-    if isinstance(member, list):
-        return [_plain(value) for value in member]
-    return member.scaled if isinstance(member, Value) else member
 
 
 def corners(job: Job, shape: Command) -> tuple[list[Value], list[Value]] | None:
@@ -106,7 +97,7 @@ def _polygon(job: Job, shape: Command) -> dict[str, Any] | None:
         points.append(pair)
     if len(points) > 1:
         ends = zip(points[0], points[-1], strict=True)
-        if all(abs(_plain(a) - _plain(b)) <= 1e-12 for a, b in ends):
+        if all(abs(scaled(a) - scaled(b)) <= 1e-12 for a, b in ends):
             points.pop()
     if len(points) < 3:
         job.error(shape, f"three points are needed, not {len(points)}")

@@ -27,16 +27,16 @@ _ORDER = (
     *("version", "title", "units", "analysis", "grid", "method", "heat", "materials", "bodies", "contact"),
     *("cracks", "fracture", "boundary", "loads", "time", "events", "domain", "archive"),
 )
+_BEFORE = b"\xef\xbb\xbf\xff\xfe\x00 \t\r\n"
+"""What may precede XML: marks of UTF-8 and UTF-16, and spaces."""
 _NEEDED = ("Header", "MPMHeader", "Mesh", "MaterialPoints", "Material")
 
 
 def translate(path: Path, partial: bool) -> Translation:
     """Translate a command file of NairnMPM: XML, or a script that makes it."""
     contents = read_source(path)
-    if contents.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):
-        source = parse(contents, path)
-    else:
-        source = scripts.read(contents.decode("utf-8", errors="replace"), path)
+    is_script = not contents.lstrip(_BEFORE).startswith(b"<")
+    source = scripts.read(contents, path) if is_script else parse(contents, path)
     if source.root.name != "JANFEAInput":
         words = f"the file begins with <{source.root.name}>; files of NairnMPM begin with <JANFEAInput>"
         raise SceneError([Problem("", words, str(path), source.root.line, code="source")])
@@ -51,6 +51,10 @@ def translate(path: Path, partial: bool) -> Translation:
             made.error(source.root.line, "<JANFEAInput>", f"the command <{name}> is missing")
     if any(block is None for block in blocks.values()) or made.errors:
         return made
+    head = blocks["MPMHeader"]
+    if is_script and head is not None and head.first("GIMP") is None:
+        words = "without a shape function NairnFEAMPM takes Classic, as here; NairnFEAMPMViz takes uGIMP"
+        job.changed(head, words)
     _translate(job, source.root, blocks)
     return made
 

@@ -78,6 +78,15 @@ def read(text: str, unit: Unit = PLAIN, shown: bool = False, source: CommandFile
     return Value(float(match[0]), unit, shown=shown)
 
 
+def scaled(member: Any) -> Any:
+    """A part of a scene with numbers in the units of the scene in place of values."""
+    if isinstance(member, dict):
+        return {key: scaled(value) for key, value in member.items()}
+    if isinstance(member, list):
+        return [scaled(value) for value in member]
+    return member.scaled if isinstance(member, Value) else member
+
+
 def settle(scene: dict[str, Any], source: CommandFile, made: Translation) -> dict[str, Any]:
     """The scene with numbers and expressions in place of values; its constants are those that it uses."""
     return _Settler(source, made).settle(scene)

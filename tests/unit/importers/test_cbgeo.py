@@ -390,3 +390,14 @@ def test_an_absorbing_side(tmp_path):
     assert dashpots["shear_wave"] == pytest.approx(np.sqrt(0.5e5 / 1800))
     assert springs["traction"] == [0, "-1e6*y"]
     assert springs["coordinates"] == "current"
+
+
+def test_functions_that_nothing_depends_on_or_with_the_same_number(tmp_path):
+    given = uniaxial_traction()
+    [function] = given.main["math_functions"]
+    given.main["math_functions"] = [function, function | {"id": 3}]
+    notes = [str(note) for note in translated(given, tmp_path / "unused").notes]
+    assert any("nothing depends on the function 3" in note for note in notes)
+    given.main["math_functions"] = [function, dict(function)]
+    problems = translate(given.write(tmp_path / "twice"), partial=False).problems(partial=False)
+    assert ["the function 0 is already defined" in str(problem) for problem in problems] == [True]

@@ -248,6 +248,10 @@ def test_materials(tmp_path, kind, words, expected):
     assert {key: made[key] for key in expected} == expected
 
 
+ORTHOTROPIC = (
+    "<Ex>9</Ex><Ey>8</Ey><Ez>7</Ez><Gxy>3</Gxy><Gxz>3</Gxz><Gyz>3</Gyz>"
+    "<nuxy>.3</nuxy><nuxz>.3</nuxz><nuyz>.3</nuyz>"
+)
 FIBRES = "<EA>9</EA><ET>3</ET><GA>2</GA><nuA>.2</nuA><nuT>.3</nuT>"
 
 
@@ -448,6 +452,22 @@ def test_conditions_by_style(tmp_path):
 
 PULL = """<ParticleBCs><BCLine x1="0" x2="4" y1="4" y2="4" tolerance="*.3"><net/>
   <LoadBC dir="2" style="2" load="3"/></BCLine></ParticleBCs>"""
+
+
+@pytest.mark.parametrize(
+    ("xmin", "size", "upper", "cell"),
+    [(-2, 'nx="8"', 6, 1), (-2, 'nx="16"', 6, [0.5, 1]), (-1, 'cellsize="1"', 6, 1), (-2, 'nx="5"', 0, 0)],
+)
+def test_cells_of_axisymmetric_grids_keep_their_size(tmp_path, xmin, size, upper, cell):
+    """The part of the grid with r < 0 is cut off; NairnMPM, too, needs a line of the grid at r = 0."""
+    text = source(analysis=13).replace('xmin="-2"', f'xmin="{xmin}"', 1)
+    text = text.replace('<Horiz cellsize="1"', f"<Horiz {size}")
+    if not cell:
+        [problem] = translated(tmp_path, text).problems(partial=False)
+        assert "r = 0 is not at a line of the grid" in str(problem)
+        return
+    grid = sound(tmp_path, text).scene["grid"]
+    assert (grid["lower"], grid["upper"], grid["cell"]) == ([0, -2], [upper, 6], cell)
 
 
 def test_axisymmetric_forces_are_those_on_the_ring(tmp_path):
@@ -653,6 +673,25 @@ def test_tractions_in_space_are_on_six_faces(tmp_path, place, load, expected):
     assert found["on"]["face"] == {"axis": axis, "side": side}
     for key in {"traction", "pressure"} & set(expected):
         assert found[key] == expected[key]
+
+
+@pytest.mark.parametrize(
+    ("shape", "direction", "words"),
+    [
+        ("uGIMP", 1, ""),
+        ("uGIMP", 11, "follows the face"),
+        ("lCPDI", 1, "acts on the initial area"),
+        ("lCPDI", 11, ""),
+    ],
+)
+def test_tractions_say_whether_their_area_is_that_of_nairnmpm(tmp_path, shape, direction, words):
+    """NairnMPM integrates over the faces of particles, which deform with CPDI only."""
+    load = f'<TractionBC dir="{direction}" face="2" stress="5"/>'
+    box = f'<BCBox xmin="3.5" xmax="4" ymin="0" ymax="4">{load}</BCBox>'
+    text = source(more=f"<ParticleBCs>{box}</ParticleBCs>").replace("<GIMP/>", f'<GIMP type="{shape}"/>')
+    found = [str(note) for note in sound(tmp_path, text).notes if "TractionBC" in str(note)]
+    assert len(found) == bool(words)
+    assert all(words in note for note in found)
 
 
 @pytest.mark.parametrize(
@@ -1012,6 +1051,152 @@ def test_loops_and_subroutines_of_scripts():
     assert [(line.name, line.values) for line in lines] == [("values", (9.0, 8.0, 4.0, 0.5))]
 
 
+def script_of(tmp_path, words, old="MaximumTime 3/2"):
+    made = translated(tmp_path, SCRIPT.replace(old, f"{words}\n{old}"))
+    assert made.problems(partial=False) == []
+    load(write(made))
+    return made
+
+
+@pytest.mark.parametrize(("count", "per_axis"), [(1, 1), (2, 2), (3, 3), (4, 4), (9, 3), (16, 4)])
+def test_scripts_count_particles_along_a_side_of_a_cell(tmp_path, count, per_axis):
+    """As NairnFEAMPMViz does; more than 5 are the particles of a cell, as in old scripts."""
+    body = script_of(tmp_path, f"PtsPerElement {count}").scene["bodies"][0]
+    assert body.get("particles_per_axis", 2) == per_axis
+
+
+def test_particles_of_one_region_of_a_script_are_not_those_of_all(tmp_path):
+    with pytest.raises(SceneError, match="not supported: 'PtsPerElement' inside a region"):
+        script_of(tmp_path, "PtsPerElement 3", "  PolyPt 5,1")
+
+
+@pytest.mark.parametrize(
+    ("words", "kind", "expected"),
+    [
+        ("Gravity", "gravity", [0, -9.80665e-3]),
+        ("Gravity 100", "gravity", [1e-4, -9.80665e-3]),
+        ("Gravity 100,0", "gravity", [1e-4, 0]),
+        ('Gravity "100*t",0', "body_force", ["0.0001*t", 0]),
+    ],
+)
+def test_gravity_of_scripts_is_by_default_that_of_the_earth(tmp_path, words, kind, expected):
+    loads = script_of(tmp_path, words).scene["loads"]
+    [load] = [load for load in loads if load["kind"] == kind]
+    assert [getattr(part, "number", part) for part in load["acceleration"]] == (
+        expected if kind == "body_force" else pytest.approx(expected)
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "friction", "heating"),
+    [
+        ("Conduction yes", False, "isothermal"),
+        ('Conduction yes,"isothermal","friction"', True, "isothermal"),
+        ('Conduction yes,"friction","adiabatic"', True, "adiabatic"),
+        ('Conduction no,"mechanical energy"', None, "adiabatic"),
+    ],
+)
+def test_each_option_of_conduction_in_scripts_counts(tmp_path, words, friction, heating):
+    heat = f"StressFreeTemp 300\nMultimaterialMode 0,enabled,avggrad\n{words}"
+    scene = script_of(tmp_path, heat).scene
+    assert scene["method"]["heating"] == heating
+    assert scene.get("heat", {}).get("friction") is friction
+
+
+@pytest.mark.parametrize(
+    ("option", "words"),
+    [
+        ('yes,"crack tips"', "not supported: no counterpart"),
+        ('yes,"radiation"', "not supported: the option 'radiation' of 'Conduction'"),
+        ("maybe", "'maybe' of 'Conduction' is neither yes nor no"),
+    ],
+)
+def test_options_of_conduction_without_a_counterpart(tmp_path, option, words):
+    text = SCRIPT.replace("MaximumTime", f"StressFreeTemp 300\nConduction {option}\nMaximumTime")
+    try:
+        [problem] = translated(tmp_path, text).problems(partial=False)
+    except SceneError as error:
+        problem = str(error)
+    assert words in str(problem)
+
+
+def test_heat_of_friction_without_an_effect_is_ignored_in_words(tmp_path):
+    made = translated(tmp_path, source(more="<Thermal><ContactHeating/></Thermal>"))
+    assert [str(note) for note in made.notes if "nothing conducts heat" in str(note)]
+
+
+def test_scripts_without_a_shape_function_say_which_they_get(tmp_path):
+    made = sound(tmp_path, SCRIPT.replace('MPMMethod "USAVG+","uGIMP"', 'MPMMethod "USL-"'))
+    assert made.scene["method"] | {"transfer": {}} == {"shape": "linear", "update": "usl", "transfer": {}}
+    assert any("NairnFEAMPMViz takes uGIMP" in str(note) for note in made.notes)
+
+
+def test_contact_of_scripts(tmp_path):
+    words = "MultimaterialMode 0,enabled,specify,90,30"
+    text = SCRIPT.replace("  rho sqrt(2.25)", '  rho 1\n  friction .25,"left"')
+    text = text.replace("MaximumTime", f"{words}\nMaximumTime")
+    contact = sound(tmp_path, text).scene["contact"]
+    assert contact["normal"] == {"kind": "specified", "azimuth": 90}
+    [pair] = contact["pairs"]
+    assert pair["law"] == {"kind": "coulomb", "friction": 0.25}
+    with pytest.raises(SceneError, match="the value '3' of 'MultimaterialMode'"):
+        translated(tmp_path, text.replace(words, "MultimaterialMode 0,yes,avggrad,2,3"))
+    with pytest.raises(SceneError, match="the material 'top' of 'friction' is not defined"):
+        translated(tmp_path, text.replace('.25,"left"', '.25,"top"'))
+
+
+def test_a_reversal_of_scripts(tmp_path):
+    task = """CustomTask ReverseLoad
+Parameter quantity,"sxx"
+Parameter material,"right"
+Parameter maxValue,3
+Parameter style,"hold"
+"""
+    scene = sound(tmp_path, SCRIPT + task).scene
+    assert [(event["when"], event["do"]) for event in scene["events"]] == [
+        ("stress_xx[right_half] >= 3", "hold")
+    ]
+
+
+def test_materials_of_scripts_in_xml_have_names_and_numbers(tmp_path):
+    """The number of the tip's material counts the one in XML."""
+    xml = """XMLData "Material","steel"
+<Material Type="1" Name="Steel"><rho>8</rho><E>200000</E><nu>0.3</nu></Material>
+EndXMLData
+"""
+    text = SCRIPT.replace('Material "left"', xml + 'Material "left"')
+    text = text.replace("  a 60", '  a 60\n  criterion 7\n  direction "self similar"\n  JIc 3')
+    text += 'Region "steel",0,0,2\n  Rect 4,4.5,1,3\nEndRegion\n'
+    text += 'NewCrack 1,2\nGrowCrack 2,2,"left"\nJContour 2,1,yes\n'
+    scene = sound(tmp_path, text).scene
+    assert [body["name"] for body in scene["bodies"]] == ["left_half", "right_half", "steel"]
+    growth = scene["cracks"][0]["growth"]["end"]
+    assert (growth["criterion"]["kind"], growth["direction"]) == (
+        "energy_release_rate",
+        {"kind": "self_similar"},
+    )
+    with pytest.raises(SceneError, match="'XMLData' needs the name of its only material"):
+        translated(tmp_path, text.replace('"Material","steel"', '"Material"'))
+
+
+def test_scripts_with_units_but_no_words_are_in_meters(tmp_path):
+    made = translated(tmp_path, SCRIPT.replace("#cell = 0.5", "#cell = 0.5\nConsistentUnits"))
+    assert made.scene["units"] == {"length": "m", "mass": "kg", "time": "s"}
+
+
+def test_damping_and_numbers_of_conditions_in_scripts(tmp_path):
+    text = SCRIPT.replace(
+        "MaximumTime", "Damping 5,0\nGlobalArchiveTime 1\nGlobalArchive reactionx,-3\nMaximumTime"
+    )
+    scene = sound(tmp_path, text.replace("MoveLine", "BoundaryID -3\nMoveLine", 1)).scene
+    assert scene["method"]["damping"] == {"grid": 0.005}
+    [column] = scene["archive"]["globals"]["columns"]
+    held = next(entry for entry in scene["boundary"] if entry["kind"] == "velocity")
+    assert column == f"reaction_x[{held['name']}]"
+    found = translated(tmp_path, text.replace("Damping 5,0", "Damping 5,0.2"))
+    assert any("PIC damping" in str(problem) for problem in found.problems(partial=False))
+
+
 def test_times_of_scripts_with_their_own_units(tmp_path):
     made = translated(tmp_path, SCRIPT.replace("#cell = 0.5", '#cell = 0.5\nConsistentUnits "mm","g","ms"'))
     assert made.scene["time"]["end"] == 1.5
@@ -1045,6 +1230,9 @@ BROKEN = {
     "script_sub_itself": ("Sub Ends\nGoSub Ends\nEndSub\nGoSub Ends\n", "more than 50 subroutines"),
     "script_index": ("#x[1] = 2\nMaximumTime #x[2]\n", r"variable #x\[2\] has no value"),
     "script_value": ("MaximumTime 1/(2-2)\n", "1 / 0 has no value"),
+    "script_text": ('#a$="text"\n' + "#a$=#a$&#a$\n" * 40, "a text of more than 100000 characters"),
+    "script_block": ('Material "a","A",1\nHeader\nEndHeader\n', "several values of 'header'"),
+    "script_number": ("Analysis 1e400\n", "'1e400' is not a number"),
     "script_more": ("MaximumTime 1,2\n", "not supported: the value '2' of 'MaximumTime'"),
     "another_root": ("<html/>", "begins with <html>"),
     "no_blocks": ("<JANFEAInput/>", "<Header> is missing"),
@@ -1131,11 +1319,18 @@ def test_numbers_are_read_as_nairnmpm_reads_them(tmp_path):
 
 def test_entities_of_other_encodings_are_expanded():
     text = source(entities='<!ENTITY end "2">', time="<MaxTime>&end;</MaxTime>")
-    for encoding in ("utf-8", "iso-8859-1"):
+    for encoding in ("utf-8", "iso-8859-1", "utf-16"):
         raw = text.replace('version="1.0"?', f'version="1.0" encoding="{encoding}"?').encode(encoding)
         found = parse(raw, Path("x"))
         (time,) = (c for c in found.root.walk() if c.name == "MaxTime")
         assert found.plain(time.text) == "2"
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
+def test_files_with_marks_of_their_encoding_are_xml(tmp_path, encoding):
+    path = tmp_path / "marked.fmcmd"
+    path.write_text(source(), encoding=encoding)
+    assert translate(path, False).scene["bodies"][0]["name"] == "stuff"
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -1219,3 +1414,256 @@ def test_expansions_are_1e_6_per_kelvin_in_all_units(units, alpha, expansion, tm
     more = "<Thermal><Conduction/></Thermal>"
     scene = scene_of(tmp_path, head=units, setup=setup, material=material, more=more)
     assert scene["materials"]["stuff"]["expansion"] == pytest.approx(expansion, rel=1e-12)
+
+
+# ------------------------------------------- values that NairnMPM takes where a source gives none, and rare ones
+
+
+@pytest.mark.parametrize(
+    ("attributes", "value"),
+    [
+        ('style="2" vel="10" ftime="-0.5"', "0.01*(t + 0.5)"),
+        ('style="6" function="t^2" ftime="-1"', "0.001*((t + 1)**2)"),
+        ('style="1" vel="10" ftime="-1"', 0.01),
+    ],
+)
+def test_values_that_began_before_the_run(tmp_path, attributes, value):
+    """The time before the run was dropped without a word."""
+    line = f'<BCLine x1="min" y1="min" x2="max" y2="min"><DisBC dir="2" {attributes}/></BCLine>'
+    boundary = scene_of(tmp_path, more=f"<GridBCs>{line}</GridBCs>")["boundary"]
+    assert boundary[0]["value"] == value
+    assert "from" not in boundary[0]
+
+
+@pytest.mark.parametrize(("count", "leaves"), [(-100, True), (100, True), (1, False), (0, False)])
+def test_particles_that_may_leave(tmp_path, count, leaves):
+    """A negative limit was dropped without a word."""
+    made = sound(tmp_path, source(setup=f"<LeaveLimit>{count}</LeaveLimit>"))
+    assert made.scene.get("domain") == ({"on_exit": "delete"} if leaves else None)
+    assert bool(made.of_kind("changed")) == leaves
+
+
+def test_the_limit_of_particles_without_a_number_deletes_none_that_leave(tmp_path):
+    made = sound(tmp_path, source(setup="<DeleteLimit>100</DeleteLimit>"))
+    assert "domain" not in made.scene
+    assert "no number ends the run" in str(made.of_kind("changed")[0])
+
+
+def test_steinberg_hardening_has_nairnmpms_defaults(tmp_path):
+    """A source without betahard hardened, and one without GPpG0 did not stiffen."""
+    elastic = "<E>100</E><nu>0.3</nu><Hardening>SCGL</Hardening>"
+    made = material_of(tmp_path, 9, f"{elastic}<yield>5</yield><yieldMax>10</yieldMax>")["hardening"]
+    assert made == {
+        "kind": "steinberg_cochran_guinan",
+        "yield_stress": 5,
+        "Y_max": 10,
+        "beta": 0,
+        "n": 1,
+        "A": 1e-5,
+    }
+    material = f'<Material Type="9" Name="A"><rho>1</rho>{elastic}</Material>'
+    assert_refused(tmp_path, "<yieldMax> is missing", material=material)
+    hot = scene_of(
+        tmp_path,
+        setup="<StressFreeTemp>400</StressFreeTemp>",
+        points=BODY.replace('mat="1"', 'mat="1" temp="450"'),
+        material=material.replace("</Mat", "<yieldMax>3e3</yieldMax></Mat"),
+    )["materials"]["a"]["hardening"]
+    assert (hot["yield_stress"], hot["B"], hot["T0"]) == (2200, 2.2e-4, 400)
+
+
+@pytest.mark.parametrize(("capacity", "gamma"), [("", 5 / 3), ("<Cv>1</Cv>", 5 / 3), ("<Cv>20</Cv>", 1.4)])
+@pytest.mark.parametrize("heat", ["", "<Thermal><Conduction/><EnergyCoupling/></Thermal>"])
+def test_gas_begins_at_the_pressure_of_its_temperature(tmp_path, capacity, gamma, heat):
+    """The pressure was P0 at any temperature, all gas had one atom per molecule, and Cv gave an invalid scene."""
+    gas = f'<Material Type="22" Name="Air"><rho>1</rho><P0>0.1</P0><T0>250</T0>{capacity}</Material>'
+    setup = "<StressFreeTemp>300</StressFreeTemp>"
+    made = scene_of(tmp_path, setup=setup, material=gas, more=heat)["materials"]["air"]
+    assert made["pressure"] == pytest.approx(0.12)
+    assert (made["gamma"], made["T0"]) == (pytest.approx(gamma), 300)
+    assert "heat_capacity" not in made
+
+
+def test_equations_of_state_have_nairnmpms_defaults(tmp_path):
+    made = material_of(tmp_path, 25, "<G1>5</G1>")
+    assert (made["C0"], made["S1"], made["gamma0"]) == (4004, 1.35, 1.64)
+    assert material_of(tmp_path, 17, "<G>5</G><S1>0</S1><gamma0>0</gamma0>")["S1"] == 0
+
+
+def test_hyperelastic_plasticity_takes_its_shear_modulus_by_both_names(tmp_path):
+    for name in ("G", "G1"):
+        made = material_of(tmp_path, 24, f"<K>9</K><{name}>3</{name}><yield>1</yield>")
+        assert (made["K"], made["G"]) == (9, 3)
+
+
+@pytest.mark.parametrize(
+    ("kind", "words", "expansion"),
+    [
+        (9, "<E>9</E><nu>.2</nu><yield>1</yield>", 40e-6),
+        (24, "<K>9</K><G1>3</G1><yield>1</yield>", None),
+        (8, "<K>9</K><G1>3</G1>", None),
+        (7, "<K>9</K><G0>3</G0><ntaus>1</ntaus><Gk>1</Gk><tauk>1</tauk>", 40e-6),
+        (3, f"{FIBRES}<alphaA>40</alphaA>", 40e-6),
+        (4, ORTHOTROPIC + "<alphax>7</alphax><alphay>7</alphay><alphaz>7</alphaz>", 7e-6),
+    ],
+)
+def test_materials_expand_without_alpha_as_in_nairnmpm(tmp_path, kind, words, expansion):
+    """All but isotropic elastic ones did not expand; alphaA and others were said to have no effect."""
+    scene = scene_of(
+        tmp_path,
+        setup="<StressFreeTemp>300</StressFreeTemp>",
+        points=BODY.replace('mat="1"', 'mat="1" temp="350"'),
+        material=f'<Material Type="{kind}" Name="A"><rho>1</rho>{words}</Material>',
+    )
+    found = scene["materials"]["a"].get("expansion")
+    assert found == (expansion if expansion is None else pytest.approx(expansion))
+
+
+def test_expansions_that_differ_along_axes_are_refused(tmp_path):
+    assert_refused(
+        tmp_path,
+        "expansions that differ along axes: alphaA, alphaT",
+        setup="<StressFreeTemp>300</StressFreeTemp>",
+        points=BODY.replace('mat="1"', 'mat="1" temp="350"'),
+        material=f'<Material Type="3" Name="A"><rho>1</rho>{FIBRES}<alphaA>5</alphaA></Material>',
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ("<ET>3</ET><GT>1.25</GT>", {"E_transverse": 3, "nu_transverse": 0.2}),
+        ("<nuT>.2</nuT><GT>1.25</GT>", {"E_transverse": 3, "nu_transverse": 0.2}),
+        ("<ET>3</ET><nuT>.2</nuT>", {"nu_axial": 0.33}),
+    ],
+)
+def test_two_transverse_constants_of_three_are_enough(tmp_path, words, expected):
+    """GT was said to have no counterpart and nuT to be missing."""
+    made = material_of(tmp_path, 3, f"<EA>9</EA><GA>2</GA>{words}")
+    assert {key: made[key] for key in expected} == pytest.approx(expected)
+
+
+def test_constants_with_their_axes_the_other_way_round(tmp_path):
+    words = ORTHOTROPIC.replace("Gxy", "Gyx").replace("nuxy", "nuyx")
+    made = material_of(tmp_path, 4, words)
+    assert made["G12"] == 3
+    assert made["nu12"] == pytest.approx(0.3 * 9 / 8)
+    material = f'<Material Type="4" Name="A"><rho>1</rho>{words}<nuxy>.3</nuxy></Material>'
+    assert_refused(tmp_path, "nuxy and nuyx are given", material=material)
+
+
+def test_viscoelasticity_without_relaxation_is_elastic(tmp_path):
+    """It made a scene without the material."""
+    made = material_of(tmp_path, 7, "<K>9</K><G0>3</G0><ntaus>0</ntaus>")
+    assert (made["kind"], made["K"], made["G"]) == ("linear_elastic", 9, 3)
+
+
+def test_consistent_units_may_be_without_names(tmp_path):
+    scene = scene_of(tmp_path, head='<ConsistentUnits length="L" mass="M" time="T"/>')
+    assert "units" not in scene
+
+
+@pytest.mark.parametrize(
+    ("parameters", "transfer", "heat"),
+    [
+        ({"periodicStepsConduction": 3}, {"kind": "flip"}, {"kind": "fmpm", "order": 2, "every_steps": 3}),
+        ({"periodicSteps": 2, "periodicCFL": 5}, {"kind": "fmpm", "order": 2, "every_steps": 2}, None),
+        ({"periodicCFL": 5}, {"kind": "fmpm", "order": 2, "every_courant": 5}, None),
+    ],
+)
+def test_periodic_transfers_of_motion_and_heat(tmp_path, parameters, transfer, heat):
+    """FMPM of temperatures alone made that of the motion too, and a Courant number came before steps."""
+    words = "".join(f'<Parameter name="{name}">{value}</Parameter>' for name, value in parameters.items())
+    task = f'<Schedule name="PeriodicXPIC"><Parameter name="FMPMOrder">2</Parameter>{words}</Schedule>'
+    more = f"<Thermal><Conduction/></Thermal><CustomTasks>{task}</CustomTasks>"
+    scene = scene_of(tmp_path, setup="<StressFreeTemp>300</StressFreeTemp>", more=more)
+    assert scene["method"]["transfer"] == transfer
+    assert scene["heat"].get("transfer") == heat
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("periodicCFLConduction", 2, "periodicCFLConduction; periodicStepsConduction is"),
+        ("periodicTimeConduction", 2, "periodicTimeConduction; periodicStepsConduction is"),
+        ("periodicStepsConduction", 0.5, "mixes FMPM and FLIP"),
+    ],
+)
+def test_periodic_transfers_of_heat_that_are_not_supported(tmp_path, name, value, words):
+    """They were dropped without a word."""
+    task = f'<Parameter name="FMPMOrder">2</Parameter><Parameter name="{name}">{value}</Parameter>'
+    more = f'<Thermal><Conduction/></Thermal><Schedule name="PeriodicXPIC">{task}</Schedule>'
+    assert_refused(tmp_path, words, setup="<StressFreeTemp>300</StressFreeTemp>", more=more)
+
+
+def test_listed_points_stay_in_holes(tmp_path):
+    """Holes are for bodies and pictures only."""
+    hole = '<Hole><Rect xmin="0" xmax="4" ymin="0" ymax="4"/></Hole>'
+    points = f'{hole}<PointList><mp mat="1"><pt x="1.25" y="1.25"/></mp></PointList>'
+    made = translated(tmp_path, source(points=points))
+    assert made.scene["bodies"][0]["region"] == {"kind": "points", "file": "points_1.csv"}
+
+
+def test_lengths_of_lines_and_circles_have_units(tmp_path):
+    line = (
+        '<BCLine x1="0" y1="0" x2=".2" y2=".2" units="cm" tolerance=".05"><DisBC dir="2" vel="0"/></BCLine>'
+    )
+    place = scene_of(tmp_path, more=f"<GridBCs>{line}</GridBCs>")["boundary"][0]["on"]["region"]
+    assert math.dist(*(map(float, place["points"][i]) for i in (0, 3))) == pytest.approx(1.0)
+    arc = 'units="cm" resolution="20" start_angle="0" end_angle="90"'
+    crack = f'<CrackList><Circle xmin=".1" xmax=".3" ymin=".1" ymax=".3" {arc}/></CrackList>'
+    path = scene_of(tmp_path, more=crack)["cracks"][0]["path"]
+    assert (path["center"], path["radius"]) == (pytest.approx([2, 2]), pytest.approx(1))
+
+
+def test_friction_that_only_holds(tmp_path):
+    """Friction at rest without friction of sliding was dropped without a word."""
+    friction = "<coeff>0</coeff><coeffStatic>.4</coeffStatic>"
+    other = MATERIAL.replace("Stuff", "Other")
+    two = '<Body matname="Other"><Rect xmin="0" xmax="4" ymin="4" ymax="6"/></Body>'
+    scene = scene_of(
+        tmp_path,
+        setup='<MultiMaterialMode Normals="2"><Friction lawname="Rub"/></MultiMaterialMode>',
+        points=BODY.replace('mat="1"', 'matname="Stuff"') + two,
+        material=f'{MATERIAL}{other}<Material Type="61" Name="Rub">{friction}</Material>',
+    )
+    assert scene["contact"]["law"] == {"kind": "coulomb", "friction": 0, "static_friction": 0.4}
+
+
+def test_functions_of_rigid_materials_after_a_gap_have_no_effect(tmp_path):
+    words = "<SetDirection>3</SetDirection><SettingFunction>5</SettingFunction>"
+    tool = f'<Material Type="11" Name="Tool">{words}<SettingFunction3>1</SettingFunction3></Material>'
+    made = sound(tmp_path, source(points=TOOL, material=MATERIAL + tool))
+    assert [c["direction"] for c in made.scene["boundary"]] == ["x"]
+    assert any("SettingFunction3: one before it is missing" in str(note) for note in made.of_kind("ignored"))
+
+
+def test_a_step_above_that_of_any_material_is_not_taken(tmp_path):
+    """The wave speed of materials with axes was unknown, so that too large steps were taken."""
+    material = f'<Material Type="3" Name="A"><rho>1</rho>{FIBRES}</Material>'
+    time = '<Timing step="10" max="20" CFL="0.4" units="ms"/>'
+    assert scene_of(tmp_path, time=time, material=material)["time"] == {"end": 20, "courant": 0.4}
+    small = time.replace('step="10"', 'step="1e-4"')
+    assert scene_of(tmp_path, time=small, material=material)["time"] == {"end": 20, "step": 1e-4}
+
+
+@pytest.mark.parametrize(
+    ("theirs", "column"),
+    [
+        ("sZZ", "stress_yy[stuff]"),
+        ("sTT", "stress_zz[stuff]"),
+        ("sRZ", "stress_xy[stuff]"),
+        ("velZ", "velocity_y[stuff]"),
+        ("szz", "stress_zz[stuff]"),
+    ],
+)
+def test_quantities_along_the_axes_of_a_cylinder(tmp_path, theirs, column):
+    """sZZ, along the axis, was read as szz, around it."""
+    setup = f'<GlobalArchiveTime units="ms">1</GlobalArchiveTime><GlobalArchive type="{theirs}"/>'
+    archive = scene_of(tmp_path, analysis=13, setup=setup)["archive"]
+    assert archive["globals"]["columns"] == [column]
+
+
+def test_conductivities_along_axes_have_no_effect_without_conduction(tmp_path):
+    material = f'<Material Type="3" Name="A"><rho>1</rho>{FIBRES}<kCondA>3</kCondA></Material>'
+    sound(tmp_path, source(material=material))
