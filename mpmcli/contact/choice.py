@@ -104,6 +104,7 @@ class ContactChoice:
             "rigid_fields": rigid,
             "laws": [law.kind for law in self.laws],
             "normal": self.model.normal.kind if self.knows_normals else None,
+            "rigid_surfaces": self.uses_rigid_surfaces,
             "separation": self.model.separation.kind if self.knows_normals else None,
             "increments": self.increments or None,
             "mass_ratio": self.model.mass_ratio if is_screened else 0.0,

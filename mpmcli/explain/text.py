@@ -119,8 +119,9 @@ def _contact_in_words(contact: dict[str, Any]) -> list[str]:
     if not contact:
         return []
     named = [f"{name} (rigid)" if name in contact["rigid_fields"] else name for name in contact["fields"]]
+    of_rigid = " (of rigid bodies their surface)" if contact["rigid_surfaces"] else ""
     geometry = (
-        f"normal {contact['normal']}, separation {contact['separation']}"
+        f"normal {contact['normal']}{of_rigid}, separation {contact['separation']}"
         if contact["normal"]
         else "no normals"
     )

@@ -6,6 +6,7 @@ import pytest
 from mpmcli.contact.neighbours import allocate_neighbours
 from mpmcli.contact.normals.gradients import rigid_surface
 from mpmcli.core.errors import SceneError
+from mpmcli.explain.facts import explain
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
 
@@ -147,6 +148,14 @@ def test_what_scenes_say_about_surfaces():
     (none,) = problems_of(*rest)
     assert (none.path, none.severity) == ("contact.normal.rigid_normal", "warning")
     assert "no body is rigid" in none.message
+
+
+def test_explain_tells_of_surfaces():
+    assert (
+        "logistic_regression (of rigid bodies their surface), separation"
+        in explain(load_scene(TURNING))["text"]
+    )
+    assert "surface" not in explain(load_scene(TURNING.replace(", rigid_normal: surface", "")))["text"]
 
 
 def test_what_contact_does_not_use_is_not_found():
