@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from mpmcli.core.errors import SimulationError
+from mpmcli.core.errors import Problem, SceneError, SimulationError
+from mpmcli.core.suggest import listing
 from mpmcli.output.columns import resolve_columns
 from mpmcli.output.files import GLOBALS
 from mpmcli.output.manifest import peak_memory, read_manifest
@@ -85,13 +86,18 @@ def only_table(loaded: LoadedScene, columns: Sequence[str]) -> LoadedScene:
 
     Criteria may name probes.
 
-    Raises SceneError if the scene cannot have them.
+    Raises SceneError if the scene cannot have them, or a name stands for several.
     """
     scene = loaded.scene
     asked = scene.archive.globals or GlobalArchive(every=scene.time.end / ROWS)
     names = asked.columns
     if names is None:
         names = tuple(column.name for column in resolve_columns(None, context_of(scene)))
+    found = [column.name for column in resolve_columns(columns, context_of(scene), "--error")]
+    if several := [name for name in columns if name not in (*found, "step", "time", "dt")]:
+        single = [name for name in found if name not in columns]
+        words = f"'{listing(several)}' stands for several columns; give single ones ({listing(single)})"
+        raise SceneError([Problem("--error", words, code="unknown_column")])
     asked = asked.model_copy(update={"columns": tuple(dict.fromkeys([*names, *columns]))})
     has_criteria = bool(scene.events) or scene.time.stop_when is not None
     probes = scene.probes if has_criteria else ()

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from mpmcli.core.errors import SceneError
 from mpmcli.run import api
 from mpmcli.scene.loader import load_scene
 from mpmcli.study.measure import only_table
@@ -48,3 +49,16 @@ def test_a_measured_case_keeps_the_probes_of_its_criteria(scene: Path):
     assert [probe.name for probe in only_table(load_scene(scene), ["mass"]).scene.probes] == ["corner"]
     plain = load_scene(scene, sets=["events=null", "time.stop_when=null"])
     assert only_table(plain, ["mass"]).scene.probes == ()
+
+
+@pytest.mark.parametrize(
+    ("column", "words"),
+    [("masss", "'masss' is not a column of this scene; did you mean 'mass'"),
+     ("momentum", "'momentum' stands for several columns; give single ones (momentum_x, momentum_y)")],
+)  # fmt: skip
+def test_a_case_names_the_option_of_a_column_that_is_none(scene: Path, column: str, words: str):
+    with pytest.raises(SceneError) as error:
+        only_table(load_scene(scene), ["mass", column])
+    (problem,) = error.value.problems
+    assert problem.path.startswith("--error")
+    assert problem.message.startswith(words)
