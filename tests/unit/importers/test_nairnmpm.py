@@ -170,6 +170,32 @@ def test_shapes_holes_and_nested_shapes(tmp_path):
     assert bodies[1]["velocity"] == [0.01, "0.1*x"]
 
 
+POINT = '<PointList><mp mat="1"{}><pt x="5.25" y="5.25"/></mp></PointList>'
+
+
+@pytest.mark.parametrize(
+    ("grid", "one", "other", "thickness"),
+    [
+        ("", "", "", None),
+        (' thickness="3"', "", "", 3),
+        ("", ' thick="2"', ' thick="2"', 2),
+        (' thickness="2"', "", ' thick="2"', 2),
+        (' thickness="3"', ' thick="2"', ' thick="2"', 2),
+        (' thickness="3"', ' thick="2"', "", "thickness 3, another than that of the bodies before"),
+        ("", "", ' thick="2"', "thickness 2, another than that of the bodies before"),
+    ],
+)
+def test_bodies_without_a_thickness_have_that_of_the_grid(tmp_path, grid, one, other, thickness):
+    points = BODY.replace('mat="1"', f'mat="1"{one}') + POINT.format(other)
+    made = translated(tmp_path, source(points=points, grid=grid))
+    problems = [str(problem) for problem in made.problems(partial=False)]
+    if isinstance(thickness, str):
+        assert [thickness in problem for problem in problems] == [True]
+        return
+    assert problems == []
+    assert made.scene["analysis"].get("thickness") == thickness
+
+
 def test_overlapping_bodies_keep_the_first(tmp_path):
     bodies = scene_of(tmp_path, points=BODY + BODY.replace('xmax="4"', 'xmax="5"'))["bodies"]
     assert bodies[1]["overlap"] == "keep"
