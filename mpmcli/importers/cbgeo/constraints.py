@@ -156,12 +156,15 @@ def frictions(work: Work) -> dict[int, Rough]:
             axes = table.whole(1)
             for row, (node, numbers) in enumerate(zip(table.whole(0), table.rows, strict=True)):
                 sign, friction = numbers[2:]
+                if sign not in {-1, 1}:
+                    work.made.refuse(table.fault(row, f"the sign of the normal is -1 or 1, not {sign:g}"))
+                    return {}
                 if friction < 0:
                     work.made.refuse(table.fault(row, f"the friction coefficient {friction:g} is below 0"))
                     return {}
-                found[node] = Rough(at, axes[row], 1 if sign > 0 else -1, friction)
+                found[node] = Rough(at, axes[row], int(sign), friction)
         elif place := work.nodes_and_axis(given, at, "sign_n", "friction"):
             nodes, axis = place
-            rough = Rough(at, axis, 1 if given.sign_n > 0 else -1, given.friction)
+            rough = Rough(at, axis, given.sign_n, given.friction)
             found |= dict.fromkeys(nodes.tolist(), rough)
     return {node: rough for node, rough in found.items() if rough.friction > 0.0}

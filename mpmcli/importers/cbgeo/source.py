@@ -49,7 +49,7 @@ class VelocityConstraint(NodeConstraint):
 class FrictionConstraint(NodeConstraint):
     """Coulomb friction at nodes, on top of a velocity constraint along the normal."""
 
-    sign_n: Whole | None = None
+    sign_n: Annotated[Literal[-1, 1], BeforeValidator(_whole)] | None = None
     """Sign of the outward normal along ``dir``."""
     friction: NotNegative | None = None
 

@@ -26,6 +26,8 @@ class Bodies:
         self.materials: list[Material] = []
         self.boxes: list[Box | None] = []
         self.holes: list[dict[str, Any]] = []
+        self.default: Value = job.scene["analysis"].get("thickness") or Value(1.0)
+        """The thickness of bodies that have none of their own."""
         self.thickness: Value | None = None
 
     def read(self, block: Command) -> None:
@@ -146,16 +148,18 @@ class Bodies:
             self.job.note("ignored", command, "attribute temp: no temperature changes in this file")
 
     def _thickness(self, command: Command, material: Material) -> None:
+        """All bodies have the thickness of the first one."""
         job = self.job
-        value = job.number(command, "thick")
-        if value is None or not job.analysis.startswith("plane") or material.is_rigid:
+        value = job.number(command, "thick") or self.default
+        if not job.analysis.startswith("plane") or material.is_rigid:
             return
         if self.thickness is not None and abs(value.scaled - self.thickness.scaled) > 1e-12:
             words = f"thickness {value.number:g}, another than that of the bodies before"
             job.note("not_supported", command, words)
         elif value.scaled > 0:
             self.thickness = value
-            job.scene["analysis"]["thickness"] = value
+            if value is not self.default:
+                job.scene["analysis"]["thickness"] = value
 
     def _rest(self, command: Command) -> None:
         """Concentrations and rotation."""
@@ -228,6 +232,7 @@ class Bodies:
             if turns and material is not None and material.kind in ANISOTROPIC:
                 body["axes"] = turns
             if material is not None and None not in values:
+                self._thickness(command, material)
                 self._add(body, material)
 
     def _size(self, command: Command, base: dict[str, Any]) -> None:
@@ -295,6 +300,7 @@ class Bodies:
                 if at is None:
                     job.error(point, "the command <pt> is missing")
                 continue
+            self._thickness(point, material)
             place = [job.number(at, letter) for letter in job.axes]
             speed = [job.number(velocity, letter, "velocity") if velocity else None for letter in job.axes]
             if None in place:

@@ -35,7 +35,6 @@ def cracks(job: Job, root: Command, header: Command, bodies: Bodies) -> None:
             if (plane.get("prevent") or "no").lower() == "yes":
                 job.note("ignored", plane, "attribute prevent: planes of cracks do not cross here")
         _fracture(job, settings.last("JContour"))
-    growth = _growth(job, settings, bodies)
     made = []
     for number, command in enumerate(lists, start=1):
         crack = _crack(job, command, bodies, "crack" if len(lists) == 1 else f"crack_{number}")
@@ -48,12 +47,8 @@ def cracks(job: Job, root: Command, header: Command, bodies: Bodies) -> None:
             crack["moves"] = moves
         if (command.get("type") or "free") == "fixed":
             crack["moves"] = "fixed"
-        tips = [end for end in ("start", "end") if f"{crack['name']}:{end}" in job.tips]
-        grows = {end: dict(growth) for end in tips} if growth else {}
-        if grows:
-            crack["growth"] = grows
-            job.scene.setdefault("fracture", {"integral": "contour", "size": 2})
         made.append(crack)
+    _grow(job, settings, bodies, made)
     if made:
         job.scene["cracks"] = made
     if made and "heat" in job.scene:
@@ -73,37 +68,45 @@ def _fracture(job: Job, contour: Command | None) -> None:
     job.scene["fracture"] = made
 
 
-def _growth(job: Job, settings: Command | None, bodies: Bodies) -> Made | None:
-    """Growth of tips: that of the only material with a criterion, or of all."""
-    commands: list[tuple[Command, Material | None]] = []
+def _grow(job: Job, settings: Command | None, bodies: Bodies, made: list[Made]) -> None:
+    """Growth of each tip as its material has it."""
     solid = set(map(id, bodies.materials))
     materials = [m for m in job.materials if id(m) in solid and not m.is_rigid]
-    length = settings.last("PropagateLength") if settings is not None else None
-    if settings is not None:
-        commands += [(inside, None) for inside in settings.all("Propagate")]
-        job.unsupported(settings, "a second criterion of growth", "AltPropagate")
+    for place in [*([settings] if settings is not None else []), *(m.command for m in materials)]:
+        job.unsupported(place, "a second criterion of growth", "AltPropagate")
+    of_tips = [job.materials[number - 1] for number in dict.fromkeys(job.tips.values())]
+    growths = {id(m): _growth(job, settings, m) for m in of_tips or materials[:1]}
+    for crack in made:
+        for end in ("start", "end"):
+            number = job.tips.get(f"{crack['name']}:{end}")
+            growth = growths[id(job.materials[number - 1])] if number is not None else None
+            if growth is not None:
+                crack.setdefault("growth", {})[end] = dict(growth)
+                job.scene.setdefault("fracture", {"integral": "contour", "size": 2})
     for material in materials:
-        commands += [(inside, material) for inside in material.command.all("Propagate")]
-        job.unsupported(material.command, "a second criterion of growth", "AltPropagate")
-    chosen = [row for row in commands if round(job.plain(row[0], "criterion")) != 0]
+        for inside in material.command.all("Propagate"):
+            if id(material) not in growths:
+                job.ignored(inside, "no tip of a crack has this material")
+    _skip_properties(job, materials)
+
+
+def _growth(job: Job, settings: Command | None, material: Material) -> Made | None:
+    """Growth in a material: by its own criterion, or by that of all."""
+    length = settings.last("PropagateLength") if settings is not None else None
+    of_all = list(settings.all("Propagate")) if settings is not None else []
+    own = list(material.command.all("Propagate"))
+    of_all, own = ([c for c in each if round(job.plain(c, "criterion")) != 0] for each in (of_all, own))
+    chosen = own or of_all
     if not chosen:
-        _skip_properties(job, materials)
         return None
-    own = [row for row in chosen if row[1] is not None]
-    if own and len(own) < len(chosen):
-        for default, _ in (row for row in chosen if row[1] is None):
-            job.note("ignored", default, "the criterion of the material counts")
-        chosen = own
-    command, owner = chosen[-1]
-    chosen_of = owner or (materials[0] if materials else None)
-    if chosen_of is None:
-        return None
+    for default in of_all if own else []:
+        job.note("ignored", default, "the criterion of the material counts")
+    command = chosen[-1]
     if len(chosen) > 1:
         job.note("not_supported", command, "growth by several criteria")
     if round(job.plain(command, "traction")) > 0:
         job.note("not_supported", command, "traction laws on new faces of cracks")
-    criterion = _criterion(job, command, chosen_of)
-    _skip_properties(job, materials)
+    criterion = _criterion(job, command, material)
     if criterion is None:
         return None
     made: Made = {"criterion": criterion}
@@ -188,7 +191,11 @@ def _crack(job: Job, command: Command, bodies: Bodies, name: str) -> Made | None
         return None
     made: Made = {"name": name, "path": arc or {"kind": "points", "points": points}}
     mouths = {end: "mouth" for end, tip in (("start", tips[0]), ("end", tips[-1])) if tip == -2}
-    job.tips += [f"{name}:{end}" for end, tip in (("start", tips[0]), ("end", tips[-1])) if tip > 0]
+    for end, tip in (("start", tips[0]), ("end", tips[-1])):
+        if tip > len(job.materials):
+            job.error(command, f"the tip has material {tip}; the file has {len(job.materials)}")
+        elif tip > 0:
+            job.tips[f"{name}:{end}"] = tip
     if mouths:
         made["ends"] = mouths
         if arc is None:

@@ -95,7 +95,7 @@ Intensity | 0 | mat:i matname:t imin:i! imax:i! minAngle:n maxAngle:n | Angle Th
     Concentration
 vel | 0 | x:n y:n z:n~ units:t
 PointList | 0 | - | mp
-mp | 0 | elem:i~ mat:i matl:i matname:t angle:n thick:n~ conc:n wtconc:n temp:n lpx:n lpy:n lpz:n | pt vel
+mp | 0 | elem:i~ mat:i matl:i matname:t angle:n thick:n conc:n wtconc:n temp:n lpx:n lpy:n lpz:n | pt vel
     mass
 mass | 0 | m:n! units:t
 CrackList | 0 | type:t friction:n Dn:n Dnt:n Dnc:n Dt:n law:i lawname:t | pt Line Circle Thickness Plane

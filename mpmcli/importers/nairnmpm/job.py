@@ -71,7 +71,7 @@ class Job:
     """In the order of NairnMPM's numbers."""
     heats: bool = False
     """Whether temperatures matter."""
-    tips: list[str] = field(default_factory=list)
+    tips: dict[str, int] = field(default_factory=dict)
     """Ends of cracks that have a material at their tip, ``crack:end``; NairnMPM finds J and growth of no others."""
     shape: str = "linear"
     conditions: list[tuple[int, dict[str, Any]]] = field(default_factory=list)

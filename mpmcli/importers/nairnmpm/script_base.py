@@ -166,6 +166,10 @@ class Base:
         """The number of a material by its name in the script."""
         return str(list(self.ids).index(key) + 1)
 
+    def _named(self, key: str, word: str = "mat") -> dict[str, str]:
+        """The attribute that names a material by its number, or one that is not defined by the script's name."""
+        return {word: self._number_of(key)} if key in self.ids else {f"{word}name": key}
+
     def _into(self) -> Command:
         found = self.body or self.shape
         if found is None:

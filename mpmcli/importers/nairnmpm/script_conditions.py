@@ -112,7 +112,7 @@ class Conditions(Base):
         if len(more) > 1:
             law = text_of(more[1])
             if law in self.ids:
-                self.crack.attributes["lawname"] = self.ids[law]
+                self.crack.attributes |= self._named(law, "law")
             else:
                 self.crack.attributes["friction"] = text_of(self._choice_of_friction(more[1]))
 

@@ -109,7 +109,8 @@ class _Maker(Conditions):
         owner = {}
         if len(values) > 1:
             word = text_of(values[1])
-            owner = {"matname" if isinstance(values[1], str) else "mat": self.ids.get(word, word)}
+            is_number = isinstance(values[1], float) and word not in self.ids
+            owner = {"mat": word} if is_number else self._named(word)
         self._set("GlobalArchive", type=values[0], **owner)
 
     def _do_toarchive(self, line: Line) -> None:
@@ -177,7 +178,7 @@ class _Maker(Conditions):
     def _do_contactcracks(self, line: Line) -> None:
         law = text_of(self._need(line, 1)[0])
         parent = self._cracks() if line.name == "contactcracks" else self._mode()
-        self._add(parent, "Friction", lawname=self.ids.get(law, law))
+        self._add(parent, "Friction", **self._named(law, "law"))
 
     _do_contactmm = _do_contactcracks
 
@@ -233,9 +234,9 @@ class _Maker(Conditions):
         law, other = values[0], text_of(values[1])
         if len(values) > 2 or other not in self.ids:
             raise ScriptError(f"the material '{text_of(values[-1])[:40]}' of '{word}' is not defined")
-        made = self._add(self.material, "Friction", matname=self.ids[other])
+        made = self._add(self.material, "Friction", mat=self._number_of(other))
         if word == "contact":
-            made.attributes["lawname"] = self.ids.get(text_of(law), text_of(law))
+            made.attributes |= self._named(text_of(law), "law")
         else:
             made.text = text_of(self._choice_of_friction(law))
 
@@ -272,7 +273,7 @@ class _Maker(Conditions):
         if len(values) > 4 and len(values) % 2 == 1:
             raise ScriptError(f"the property '{text_of(values[-1])[:40]}' has no value")
         moving = {name: given.pop(name) for name in ("vx", "vy", "vz") if isinstance(given.get(name), str)}
-        self.body = self._add(self.blocks["MaterialPoints"], "Body", matname=self.ids.get(key, key), **given)
+        self.body = self._add(self.blocks["MaterialPoints"], "Body", **self._named(key), **given)
         for name, value in moving.items():
             self._add(self.body, f"vel0{name[1].upper()}", value)
         self.polygon = None

@@ -401,3 +401,17 @@ def test_functions_that_nothing_depends_on_or_with_the_same_number(tmp_path):
     given.main["math_functions"] = [function, dict(function)]
     problems = translate(given.write(tmp_path / "twice"), partial=False).problems(partial=False)
     assert ["the function 0 is already defined" in str(problem) for problem in problems] == [True]
+
+
+def test_signs_of_normals_are_one(tmp_path):
+    """As in CB-Geo, which refuses others."""
+    given = sliding_block()
+    given.main["mesh"]["boundary_conditions"]["friction_constraints"][0]["sign_n"] = 0
+    with pytest.raises(SceneError, match="sign_n"):
+        translate(given.write(tmp_path / "key"), partial=False)
+    given = level_block()
+    path = given.write(tmp_path / "file")
+    table = path.with_name("friction-constraints.txt")
+    table.write_text(table.read_text().replace("-1\t", "-2\t", 1))
+    problems = translate(path, partial=False).problems(partial=False)
+    assert ["the sign of the normal is -1 or 1, not -2" in str(problem) for problem in problems] == [True]

@@ -170,6 +170,32 @@ def test_shapes_holes_and_nested_shapes(tmp_path):
     assert bodies[1]["velocity"] == [0.01, "0.1*x"]
 
 
+POINT = '<PointList><mp mat="1"{}><pt x="5.25" y="5.25"/></mp></PointList>'
+
+
+@pytest.mark.parametrize(
+    ("grid", "one", "other", "thickness"),
+    [
+        ("", "", "", None),
+        (' thickness="3"', "", "", 3),
+        ("", ' thick="2"', ' thick="2"', 2),
+        (' thickness="2"', "", ' thick="2"', 2),
+        (' thickness="3"', ' thick="2"', ' thick="2"', 2),
+        (' thickness="3"', ' thick="2"', "", "thickness 3, another than that of the bodies before"),
+        ("", "", ' thick="2"', "thickness 2, another than that of the bodies before"),
+    ],
+)
+def test_bodies_without_a_thickness_have_that_of_the_grid(tmp_path, grid, one, other, thickness):
+    points = BODY.replace('mat="1"', f'mat="1"{one}') + POINT.format(other)
+    made = translated(tmp_path, source(points=points, grid=grid))
+    problems = [str(problem) for problem in made.problems(partial=False)]
+    if isinstance(thickness, str):
+        assert [thickness in problem for problem in problems] == [True]
+        return
+    assert problems == []
+    assert made.scene["analysis"].get("thickness") == thickness
+
+
 def test_overlapping_bodies_keep_the_first(tmp_path):
     bodies = scene_of(tmp_path, points=BODY + BODY.replace('xmax="4"', 'xmax="5"'))["bodies"]
     assert bodies[1]["overlap"] == "keep"
@@ -600,6 +626,37 @@ def test_growth_of_cracks(tmp_path):
     assert crack["faces"] == {"law": {"kind": "coulomb", "friction": 0.2}}
     assert crack["growth"]["end"]["criterion"] == {"kind": "energy_release_rate", "J_c": "200 J/m^2"}
     assert crack["moves"] == "mass"
+
+
+TOUGH = BRITTLE.replace("Stuff", "Tough").replace("<JIc>200<", "<JIc>900<")
+HALVES = (
+    BODY.replace('xmax="4"', 'xmax="2"')
+    + BODY.replace('xmin="0"', 'xmin="2"').replace('mat="1"', 'mat="2"')
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("points", "tips", "expected"),
+    [
+        (HALVES, (1, 2), {"start": 200, "end": 900}),
+        (HALVES, (-1, 2), {"end": 900}),
+        (HALVES.replace('mat="2"', 'matname="Tough"'), (-1, 1), {"end": 900}),  # names are numbered first
+    ],
+)
+def test_tips_grow_as_their_materials(tmp_path, points, tips, expected):
+    path = '<CrackList><pt x="1" y="2" tip="{}"/><pt x="3" y="2" tip="{}"/></CrackList>'.format(*tips)
+    scene = scene_of(tmp_path, setup=GROWS, points=points, material=BRITTLE + TOUGH, more=path)
+    growth = scene["cracks"][0]["growth"]
+    assert {end: made["criterion"]["J_c"] for end, made in growth.items()} == {
+        end: f"{J} J/m^2" for end, J in expected.items()
+    }
+
+
+def test_tips_of_materials_that_do_not_exist(tmp_path):
+    path = '<CrackList><pt x="1" y="2"/><pt x="3" y="2" tip="2"/></CrackList>'
+    assert_refused(
+        tmp_path, "the tip has material 2; the file has 1", setup=GROWS, material=BRITTLE, more=path
+    )
 
 
 @pytest.mark.parametrize("tip", ["", ' tip="-1"', ' tip="0"'])
@@ -1167,14 +1224,13 @@ EndXMLData
     text = SCRIPT.replace('Material "left"', xml + 'Material "left"')
     text = text.replace("  a 60", '  a 60\n  criterion 7\n  direction "self similar"\n  JIc 3')
     text += 'Region "steel",0,0,2\n  Rect 4,4.5,1,3\nEndRegion\n'
+    text = text.replace("  nu .33\n  rho sqrt", "  nu .33\n  criterion 7\n  JIc 8\n  rho sqrt")
     text += 'NewCrack 1,2\nGrowCrack 2,2,"left"\nJContour 2,1,yes\n'
     scene = sound(tmp_path, text).scene
     assert [body["name"] for body in scene["bodies"]] == ["left_half", "right_half", "steel"]
     growth = scene["cracks"][0]["growth"]["end"]
-    assert (growth["criterion"]["kind"], growth["direction"]) == (
-        "energy_release_rate",
-        {"kind": "self_similar"},
-    )
+    assert growth["criterion"] == {"kind": "energy_release_rate", "J_c": "3 J/m^2"}
+    assert growth["direction"] == {"kind": "self_similar"}
     with pytest.raises(SceneError, match="'XMLData' needs the name of its only material"):
         translated(tmp_path, text.replace('"Material","steel"', '"Material"'))
 
