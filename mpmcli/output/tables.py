@@ -117,7 +117,7 @@ def read_table(path: Path) -> tuple[list[str], list[list[str]]]:
         with open(path, encoding="utf-8", newline="") as stream:
             rows = [row for row in csv.reader(stream) if row]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise ArchiveError(f"cannot read {path}: {error}") from error
+        raise ArchiveError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}") from error
     while rows and rows[0][0].startswith("#"):
         rows.pop(0)
     if not rows:

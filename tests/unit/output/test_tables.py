@@ -119,3 +119,10 @@ def test_what_follows_is_cut_off_only_when_asked(tmp_path):
     later.write([2, 1.25])
     later.close()
     assert path.read_text() == "step,time\n1,0.5\n2,1.25\n"
+
+
+def test_a_table_that_is_not_there_is_named_once(tmp_path):
+    path = tmp_path / "none.csv"
+    with pytest.raises(ArchiveError) as error:
+        read_table(path)
+    assert str(error.value) == f"cannot read {path}: No such file or directory"
