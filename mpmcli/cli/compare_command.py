@@ -5,13 +5,14 @@ from pathlib import Path
 import click
 
 from mpmcli.cli.completion import columns_to_compare, offering
+from mpmcli.cli.options import RealRange
 
 
 @click.command("compare")
 @click.argument("a", type=click.Path(path_type=Path))
 @click.argument("b", type=click.Path(path_type=Path))
-@click.option("--rtol", type=click.FloatRange(min=0), default=1e-9, help="Relative tolerance.")
-@click.option("--atol", type=click.FloatRange(min=0), default=0.0, help="Absolute tolerance.")
+@click.option("--rtol", type=RealRange(min=0), default=1e-9, help="Relative tolerance.")
+@click.option("--atol", type=RealRange(min=0), default=0.0, help="Absolute tolerance.")
 @click.option(
     "--columns",
     metavar="NAME,…",

@@ -19,6 +19,17 @@ if TYPE_CHECKING:
 Command = Callable[..., Any]
 
 
+class RealRange(click.FloatRange):
+    """A ``FloatRange`` without NaN, which is in every range."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Return the number."""
+        number = float(super().convert(value, param, ctx))
+        if math.isnan(number):
+            self.fail(f"{value!r} is not a number", param, ctx)
+        return number
+
+
 class SceneChanges(TypedDict):
     """What ``scene_options`` gives a command."""
 

@@ -8,7 +8,7 @@ import click
 
 from mpmcli.cli.completion import columns as columns_of_tables
 from mpmcli.cli.completion import offering, quantities
-from mpmcli.cli.options import in_scene_units, together
+from mpmcli.cli.options import RealRange, in_scene_units, together
 
 WHAT = (
     "energies", "stresses", "strains", "reactions", "momentum", "contact", "interfaces", "cracks", "motion", "steps",
@@ -52,13 +52,13 @@ OPTIONS = together(
                  shell_complete=offering(columns_of_tables)),
     click.option("--color", metavar="QUANTITY", help="Quantity that colours the particles: stress_xy, body, …",
                  shell_complete=offering(quantities)),
-    click.option("--range", "limits", nargs=2, type=float, metavar="LOW HIGH",
+    click.option("--range", "limits", nargs=2, type=RealRange(), metavar="LOW HIGH",
                  help="Lowest and highest value of the colour scale."),
     click.option("--time", metavar="T", help="Draw the particles of the archive nearest to this time."),
     click.option("--frame", metavar="N",
                  help="Draw archive N (the first is 0, the last is -1), or 'failed' for failed.vtu."),
     click.option("--animate", type=click.Choice(["gif", "mp4"]), help="Write an animation of all archives."),
-    click.option("--rate", type=click.FloatRange(min=0.1, max=50), default=10.0,
+    click.option("--rate", type=RealRange(min=0.1, max=50), default=10.0,
                  help="Frames per second of the animation."),
     click.option("--view", type=click.Choice(["iso", "xy", "xz", "yz"]), default="iso",
                  help="View direction in 3D."),

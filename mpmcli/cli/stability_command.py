@@ -4,7 +4,7 @@ from typing import Any
 
 import click
 
-from mpmcli.cli.options import together
+from mpmcli.cli.options import RealRange, together
 from mpmcli.cli.studies import Study, study_options
 
 OPTIONS = together(
@@ -17,17 +17,17 @@ OPTIONS = together(
                  help="bounded: the run finishes, and its energy stays below the energy put in; accurate: bounded, "
                  "and it loses hardly more energy than at half the Courant number; quiet: bounded, and a small "
                  "perturbation does not grow."),
-    click.option("--tolerance", "energy", metavar="SHARE", type=click.FloatRange(min=0), default=0.05,
+    click.option("--tolerance", "energy", metavar="SHARE", type=RealRange(min=0), default=0.05,
                  help="Largest spurious energy of a bounded run, as a share of the energy put in."),
-    click.option("--loss", metavar="SHARE", type=click.FloatRange(min=0), default=0.01,
+    click.option("--loss", metavar="SHARE", type=RealRange(min=0), default=0.01,
                  help="For accurate: largest additional loss compared with half the Courant number, as a share of "
                  "the energy."),
-    click.option("--growth", metavar="TIMES", type=click.FloatRange(min=1), default=10.0,
+    click.option("--growth", metavar="TIMES", type=RealRange(min=1), default=10.0,
                  help="For quiet: largest growth factor of a perturbation, or this factor times that at half the "
                  "Courant number."),
-    click.option("--resolution", type=click.FloatRange(min=1e-4, max=0.5), default=0.005,
+    click.option("--resolution", type=RealRange(min=1e-4, max=0.5), default=0.005,
                  help="Courant numbers are whole multiples of it."),
-    click.option("--between", nargs=2, type=click.FloatRange(min=0, min_open=True), default=(0.02, 2.0),
+    click.option("--between", nargs=2, type=RealRange(min=0, min_open=True), default=(0.02, 2.0),
                  metavar="LOW HIGH", help="Courant numbers between which limits are searched for."),
     click.option("--checks", type=click.IntRange(0, 1000), default=3,
                  help="Once a limit is found, check up to so many Courant numbers below it: there may be isolated "

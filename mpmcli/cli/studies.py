@@ -13,6 +13,7 @@ import click
 
 from mpmcli.cli.options import (
     Command,
+    RealRange,
     SceneChanges,
     load_checked,
     scene_options,
@@ -65,7 +66,7 @@ def study_options(command: str, picture: str) -> Callable[[Command], Command]:
         click.option("-o", "--output", metavar="DIR", type=click.Path(path_type=Path),
                      help=f"Folder of the study; results/NAME_{command} by default."),
         click.option("--until", metavar="T", help="End time of the runs, instead of time.end."),
-        click.option("--timeout", metavar="SECONDS", type=click.FloatRange(min=0, min_open=True),
+        click.option("--timeout", metavar="SECONDS", type=RealRange(min=0, min_open=True),
                      help="Stop a case if one of its runs takes longer."),
         click.option("--plot/--no-plot", default=None,
                      help=f"Draw {picture}; by default if matplotlib is installed."),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcli.cli.options import together
+from mpmcli.cli.options import RealRange, together
 from mpmcli.cli.studies import Study, study_options
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ OPTIONS = together(
     click.option("--cost", type=click.Choice(list(COSTS)), default="run",
                  help="Measure of the cost: run time, processor time (more reliable on a busy machine), time per "
                  "step, or peak memory."),
-    click.option("--within", metavar="SHARE", type=click.FloatRange(min=0, min_open=True), default=0.01,
+    click.option("--within", metavar="SHARE", type=RealRange(min=0, min_open=True), default=0.01,
                  help="Report the cheapest case with at most this error."),
     click.option("--repeats", type=click.IntRange(1, 100), default=3, help="Number of runs of each case."),
     click.option("--jobs", type=click.IntRange(1, 4096), default=1,

@@ -31,6 +31,8 @@ class Network(NamedTuple):
     """Square of the wave speed at rest [velocity²]."""
     lateral: float
     """Wave stiffness of the analysis over that of uniaxial strain."""
+    free: float
+    """Number of free widths: 1 of sheets, 2 of bars."""
     heating: float
     """1/(ρ₀c_v), or 0 where the temperature is held [temperature/pressure]."""
 

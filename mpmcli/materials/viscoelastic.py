@@ -22,6 +22,8 @@ from mpmcli.materials.base import (
 )
 from mpmcli.materials.elastic_constants import lateral_factor, wave_modulus
 from mpmcli.materials.isochoric import (
+    FREE_WIDTHS,
+    growth_of_thin,
     isochoric_energy,
     isochoric_lateral_stress,
     isochoric_stiffness,
@@ -156,6 +158,7 @@ class Viscoelastic(MaterialModel):
             self.density,
             self.initial_wave_speed(analysis) ** 2,
             lateral_factor(self._lame, self.shear_modulus, analysis),
+            FREE_WIDTHS.get(analysis, 0.0),
             self.heating(adiabatic),
         )
         terms = (getattr(term, word) for word in ("time", "G", "K") for term in self.terms)
@@ -298,4 +301,8 @@ for _Maxwell in (*MAXWELL.values(), *SHIFTED.values()):
         smallest = positive_part(smaller(smaller(a[0] - xy - xz, a[1] - xy - yz), a[2] - xz - yz))
         stiffness += total(numbers_of(m, 1) * (5.0 / 9.0 * (a[0] + a[1] + a[2]) - smallest / 3.0))
         stiffness += total(numbers_of(m, 2) * (1.0 - volumes(m, H, p)))
-        return max(m.rest2, m.lateral * stiffness / m.density)
+        # stretched as b̄ is, terms are at their stiffest
+        b, s = left_cauchy_green(F), exponential_1d(-2.0 / 3.0 * logarithm(J))
+        grown = growth_of_thin(m.free, (s * b[0], s * b[1], s * b[2], s * b[3]), 1.0, 4.0 - m.free)
+        grown *= m.shear + total(numbers_of(m, 1))
+        return max(m.rest2, m.lateral * stiffness / m.density, m.rest2 + grown / m.density)

@@ -289,6 +289,13 @@ def test_compare(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert call(["compare", str(a), str(tmp_path / "c.csv")]) == 5
 
 
+@pytest.mark.parametrize("option", ["--rtol", "--atol"])
+def test_nan_is_no_tolerance(option, tmp_path, capsys):
+    """No difference is larger than it."""
+    assert call(["compare", str(tmp_path), str(tmp_path), option, "nan"]) == 2
+    assert "'nan' is not a number" in capsys.readouterr().err
+
+
 def test_info_of_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert call(["info", str(tmp_path)]) == 5
     assert "has no results" in capsys.readouterr().err
