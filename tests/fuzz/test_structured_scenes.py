@@ -501,6 +501,10 @@ def add_rare_keys(dice: Dice, scene: dict[str, Any], d: int) -> None:
     if dice.rarely(0.1):
         scene["domain"]["volume_ratio"] = dice.one_of([[0.5, 2], [0.999, 1.001]])
     scene |= ({"loads": loads} if loads else {}) | ({"boundary": conditions} if conditions else {})
+    rigid = [body for body in scene["bodies"] if scene["materials"][body["material"]]["kind"] == "rigid"]
+    normal = scene["contact"]["normal"] if "contact" in scene else {}
+    if rigid and normal and "rigid_normal" in NORMALS[normal["kind"]].model_fields and dice.rarely(0.5):
+        normal["rigid_normal"] = "surface"
 
 
 def may_be_periodic(scene: dict[str, Any]) -> bool:
