@@ -280,7 +280,6 @@ class ContactImpulses(Correction, ABC):
         laws = [which for which in laws if not self._skipped[which]]
         takes_turns = len(laws) > 1 or any(self._of_interface[which] for which in laws)
         rounds = 1 if takes_turns else coupled_pairs.ROUNDS
-        last = np.zeros(len(changed))
         for turn in (0, *range(1, coupled_pairs.ROUNDS + 1, rounds)):
             for which in laws:
                 if self._of_interface[which]:
@@ -288,7 +287,7 @@ class ContactImpulses(Correction, ABC):
                 else:
                     coupled_pairs.find_pair_impulses(
                         self._parameters[which], self._axes, which, c.fields, c.begin, changed, turn,
-                        rounds if turn > 0 else 1, None if takes_turns else last, c.table, c.geometry, c.rows, here, mp,
+                        rounds if turn > 0 else 1, not takes_turns, c.table, c.geometry, c.rows, here, mp,
                         self._grid.f,
                     )  # fmt: skip
             if turn == 0:
@@ -296,7 +295,7 @@ class ContactImpulses(Correction, ABC):
                 if not coupled_pairs.choose_pairs(c.fields, c.begin, most, c.rows.state, changed):
                     break
             elif takes_turns and coupled_pairs.end_round(
-                self._axes, c.fields, c.begin, changed, turn, last, c.rows
+                self._axes, c.fields, c.begin, changed, turn, c.rows
             ):
                 break
         coupled_pairs.finish_pairs(self._axes, c.count, c.fields, c.begin, changed, c.rows, here, mp)

@@ -14,11 +14,8 @@ from mpmcli.core.compiled.kernel import called_once, inline
 
 Array = np.ndarray
 
-ROUNDS = 100
-"""Most rounds in which pairs that share a field take turns, no multiple of ``EXTRAPOLATES``."""
-
-EXTRAPOLATES = 3
-"""Rounds between two extrapolations."""
+ROUNDS = 400
+"""Most rounds in which pairs that share a field take turns; each round shrinks what is left by a mass ratio."""
 
 LEFT_OUT = -1
 """Instead of the last round in which impulses at a node changed: its pairs do not act."""
@@ -55,14 +52,14 @@ def start_pairs(axes, count, fields, nodes, geometry, rows, here, mp, v):
 
 @called_once
 def find_pair_impulses(
-    law, axes, which, fields, begin, changed, first, rounds, last, nodes, geometry, rows, here, mp, f
+    law, axes, which, fields, begin, changed, first, rounds, alone, nodes, geometry, rows, here, mp, f
 ):  # fmt: skip
     """Find the impulses ``rows.total`` of all pairs that law ``which`` governs; ``found`` is scratch.
 
     Round 0 takes each pair by itself. Later ones take those of the nodes that ``choose_pairs`` has chosen, each on what
     the others at its node do to it; of them so many ``rounds`` from ``first`` on, or fewer if impulses converge.
-    ``changed`` (slots,) is the last round in which impulses at a node changed, ``last`` (slots,) or None belongs to
-    ``end_round``, which ends the rounds of a single law here.
+    ``changed`` (slots,) is the last round in which impulses at a node changed. Where no other law takes turns, the law
+    is ``alone``, and rounds end here; else ``end_round`` ends them.
     """
     for turn in range(first, first + rounds):
         all_settled = True
@@ -85,8 +82,8 @@ def find_pair_impulses(
                     rows.push[k], geometry.area[k], reduced, here, geometry.bond[k], rows.found[k],
                 )  # fmt: skip
                 take_total(axes, k, rows)
-            if turn > 0 and last is not None:
-                end_round_at(axes, slot, fields, begin, changed, turn, last, rows)
+            if turn > 0 and alone:
+                end_round_at(axes, slot, fields, begin, changed, turn, rows)
         if all_settled:
             break
 
@@ -137,12 +134,8 @@ def take_total(axes, k, rows):
 
 
 @inline
-def end_round_at(axes, slot, fields, begin, changed, turn, last, rows):
-    """Note whether a round changed the impulses of a node; now and then extrapolate them.
-
-    What is left shrinks by nearly the same ratio from round to round, slowly where a light field is between heavy
-    ones (Aitken 1926). ``last`` (slots,) is the change of the round before.
-    """
+def end_round_at(axes, slot, fields, begin, changed, turn, rows):
+    """Note whether a round changed the impulses of a node."""
     change, size = 0.0, 0.0
     for k in range(begin[slot], begin[slot + 1]):
         if fields.pair[k]:
@@ -150,22 +143,15 @@ def end_round_at(axes, slot, fields, begin, changed, turn, last, rows):
             size += magnitude(axes, rows.total[k])
     if change > CONVERGED * size:
         changed[slot] = turn
-        if turn % EXTRAPOLATES == 0 and change < last[slot]:
-            ahead = change / (last[slot] - change)
-            for k in range(begin[slot], begin[slot + 1]):
-                for a in range(len(axes)):
-                    if fields.pair[k]:
-                        rows.total[k, a] += ahead * rows.dp[k, a]
-    last[slot] = change
 
 
 @called_once
-def end_round(axes, fields, begin, changed, turn, last, rows):
+def end_round(axes, fields, begin, changed, turn, rows):
     """``end_round_at`` all nodes, once the pairs of all laws have had their turn; returns whether all are settled."""
     all_settled = True
     for slot in range(len(changed)):
         if not is_settled(slot, changed, turn):
-            end_round_at(axes, slot, fields, begin, changed, turn, last, rows)
+            end_round_at(axes, slot, fields, begin, changed, turn, rows)
             all_settled = all_settled and changed[slot] < turn
     return all_settled
 

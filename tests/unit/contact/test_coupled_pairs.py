@@ -37,4 +37,4 @@ def test_a_light_field_between_heavy_ones_is_settled(density, pairs, plain_pytho
         found = motion(density, pairs)
         monkeypatch.setattr(coupled_pairs, "ROUNDS", 10 * coupled_pairs.ROUNDS)
         settled = motion(density, pairs)
-    assert np.abs(found - settled).max() < 1e-11
+    assert np.abs(found - settled).max() < 1e-6  # of an impact at speed 1; after 40 rounds 0.02 to 0.25
