@@ -277,15 +277,15 @@ def _set_initial_gradients(scene: Any, particles: Particles) -> None:
 
 
 def _set_outward_normals(scene: Any, plan: Plan, particles: Particles, grid: Grid) -> None:
-    """Normals of the surfaces of rigid bodies; those that share a velocity field have one surface."""
+    """Normals of the surfaces of rigid bodies; those that share a velocity field or move alike have one surface."""
     from mpmcli.geometry.outward import outward_normals
 
     particles.outward = np.zeros((scene.dimensions + 1, particles.count))
-    fields = np.array(plan.field_of_body)
-    for i in rigid_bodies_of(scene):
-        one_surface = [
-            (scene.bodies[j], _cut_from(scene, j)) for j in np.flatnonzero(fields == fields[i]).tolist()
-        ]
+    fields, rigid = plan.field_of_body, rigid_bodies_of(scene)
+    for i in rigid:
+        motion = scene.bodies[i].velocity
+        alike = [j for j in rigid if fields[j] == fields[i] or scene.bodies[j].velocity == motion]
+        one_surface = [(scene.bodies[j], _cut_from(scene, j)) for j in alike]
 
         def contains(points: Array, parts: list[Any] = one_surface) -> Array:
             inside = np.zeros(points.shape[1], dtype=bool)

@@ -151,6 +151,28 @@ def test_walls_that_shear_have_the_normals_of_their_inclined_sides(plain_python)
     np.testing.assert_allclose(m, m0, atol=1e-9)
 
 
+def particles_with(bodies):
+    begin, end = TURNING.index("  - {name: block"), TURNING.index("contact:")
+    scene = load_scene(TURNING[:begin] + bodies + TURNING[end:]).scene
+    plan = make_plan(scene)
+    return make_particles(scene, plan, make_grid(scene, plan))[0]
+
+
+@pytest.mark.parametrize(
+    "speeds", [("", ""), (", velocity: [0, t]", ", velocity: [0, t]"), ("", ", velocity: [0, 1]")]
+)
+def test_a_floor_has_no_edge_at_a_wall_that_moves_alike(speeds):
+    """In fields of their own; the floor ends where the wall begins. A piston keeps its edge."""
+    p = particles_with(
+        "  - {name: block, material: soft, region: {kind: box, lower: [0, 0], upper: [4, 4]}}\n"
+        f"  - {{name: floor, material: steel, region: {{kind: box, lower: [0, -3], upper: [7, 0]}}{speeds[0]}}}\n"
+        f"  - {{name: wall, material: steel, region: {{kind: box, lower: [-3, -3], upper: [0, 5]}}{speeds[1]}}}\n"
+    )
+    edge = (p.body == 1) & (p.X[1] > -0.5) & (p.X[0] < 0.5)
+    n = np.array([0.0, 1.0]) if speeds[0] == speeds[1] else np.array([-1.0, 1.0]) / np.sqrt(2.0)
+    assert (n @ p.outward[:2, edge]).min() > 0.95
+
+
 @pytest.mark.parametrize("later", ["disk", "mould"])
 def test_what_other_bodies_take_of_a_rigid_body_is_no_part_of_it(later):
     """A disk that replaces the middle of a rigid block, or is kept by it: the block has a round hole."""
@@ -161,12 +183,9 @@ def test_what_other_bodies_take_of_a_rigid_body_is_no_part_of_it(later):
     bodies = bodies if later == "mould" else bodies[::-1]
     way = "keep" if later == "mould" else "replace"
     bodies = bodies[0].replace("OVERLAP", "") + bodies[1].replace("OVERLAP", f"overlap: {way},")
-    begin, end = TURNING.index("  - {name: block"), TURNING.index("contact:")
-    scene = load_scene(TURNING[:begin] + bodies + TURNING[end:]).scene
-    plan = make_plan(scene)
-    p, _ = make_particles(scene, plan, make_grid(scene, plan))
+    p = particles_with(bodies)
     r = np.linalg.norm(p.X, axis=0)
-    wall = (p.body == [body.name for body in scene.bodies].index("mould")) & (r < 5.0)
+    wall = (p.body == (1 if later == "mould" else 0)) & (r < 5.0)
     assert wall.sum() > 80
     np.testing.assert_allclose(p.outward[:2, wall], -(p.X / r)[:, wall], atol=0.01)
 
