@@ -117,7 +117,7 @@ class ClockedVelocity:
 
     def __init__(self, component: Any, clock: Clock):
         self._component, self._clock = component, clock
-        self.source = component.source
+        self.source, self.variables = component.source, component.variables
 
     def __call__(self, x: Any, y: Any, z: Any, time: float) -> Any:
         """Return the velocity at points, multiplied by the clock's rate."""

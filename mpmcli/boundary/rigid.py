@@ -1,6 +1,7 @@
 """Rigid bodies: their particles move as the scene says, whatever the grid does."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,9 @@ from mpmcli.core.order import CellOrder
 from mpmcli.core.step import Step
 
 Array = np.ndarray
+
+ARM = 0.1
+"""Distance from a particle at which the motion of the surface beneath which it lies is evaluated [cells]."""
 
 
 class RigidBodies:
@@ -37,7 +41,7 @@ class RigidBodies:
         self._order, self._grid, self._particles = order, order.grid, order.particles
         self._mirror = mirror
         self.held = np.zeros(0, dtype=np.int64)
-        self._arm = float(self._grid.cell.max())
+        self._arm = ARM * float(self._grid.cell.max())
         self._is_rigid = np.zeros(len(fields), dtype=bool)
         self._is_rigid[[field_of_body[i] for i in rigid]] = True
         self._moving = [(i, bodies[i].velocity) for i in rigid if bodies[i].velocity]
@@ -73,16 +77,23 @@ class RigidBodies:
             self._places = [np.flatnonzero(bodies == i) for i, _ in self._moving]
         self._X = p.X[:, self._still]
         self._V = np.zeros_like(self._X)
-        self._outward = None if p.outward is None else p.outward[:, self._still]
+        self._outward: Any = None if p.outward is None else p.outward[:, self._still]
         for places, (i, velocity) in zip(self._places, self._moving, strict=True):
             name = self._bodies[i].name
             start = self._X[:, places]
             end = _moved(velocity, start, time, dt, name)
             self._X[:, places] = end
-            if self._outward is not None:
-                arm = self._arm * self._outward[:-1, places]
-                self._outward[:-1, places] = _unit(_moved(velocity, start + arm, time, dt, name) - end)
+            if self._outward is not None and _depends_on_place(velocity):
+                self._turn(places, start, partial(_moved, velocity, time=time, dt=dt, name=name))
             self._V[:, places] = velocity_at(velocity, end, time + dt, name)
+
+    def _turn(self, places: Array, X: Array, moved: Callable[[Array], Array]) -> None:
+        """Let the normals of particles at ``X`` (d, n) follow the surface as it moves."""
+        from mpmcli.geometry.outward import carried_normals
+
+        known = self._outward[:-1, places].any(axis=0)
+        some = places[known]
+        self._outward[:-1, some] = carried_normals(self._outward[:-1, some], X[:, known], self._arm, moved)
 
     def hold(self, step: Step, mp: Array) -> None:
         """Give the momenta ``mp`` (dofs, 1 + d) of a moving body's nodes its velocity at their places.
@@ -156,10 +167,8 @@ def _moved(velocity: Any, X: Array, time: float, dt: float, name: str) -> Array:
     return X + velocity_at(velocity, middle, time + 0.5 * dt, name) * dt
 
 
-def _unit(v: Array) -> Array:
-    """Vectors (d, n) of length 1, zeros where they are zero."""
-    length = np.sqrt((v**2).sum(axis=0))
-    return v / np.where(length > 0.0, length, 1.0)
+def _depends_on_place(velocity: Any) -> bool:
+    return any(component.variables & {"x", "y", "z"} for component in velocity)
 
 
 def velocity_at(velocity: Any, X: Array, time: float, name: str) -> Array:

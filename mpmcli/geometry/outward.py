@@ -26,7 +26,8 @@ CHUNK = 1 << 12
 def outward_normals(contains: Callable[[Array], Array], X: Array, grid: Grid) -> Array:
     """Find the normals and curvatures of the surface near points.
 
-    The sides of the grid are no surface: behind them matter goes on as its mirror image, or around a periodic axis.
+    Sides of the grid and symmetry planes are no surface: behind them matter goes on as its mirror image, or around a
+    periodic axis.
 
     Parameters
     ----------
@@ -40,14 +41,18 @@ def outward_normals(contains: Callable[[Array], Array], X: Array, grid: Grid) ->
     matter is convex, in space the mean of both [1/length]; zeros where no surface is within 2.5 cells.
     """
 
+    lower, upper = grid.lower.copy(), grid.upper.copy()
+    for a, line, is_lower in grid.mirrors:
+        (lower if is_lower else upper)[a] = grid.lower[a] + (line - grid.pad) * grid.cell[a]
+
     def is_matter(points: Array) -> Array:
         folded = points.reshape(len(points), -1).copy()
         for a, x in enumerate(folded):
-            lower, upper = grid.lower[a], grid.upper[a]
+            low, high = lower[a], upper[a]
             if a in grid.periodic:
-                x[:] = lower + (x - lower) % (upper - lower)
+                x[:] = low + (x - low) % (high - low)
             else:
-                x[:] = np.where(x < lower, 2.0 * lower - x, np.where(x > upper, 2.0 * upper - x, x))
+                x[:] = np.where(x < low, 2.0 * low - x, np.where(x > high, 2.0 * high - x, x))
         return contains(folded).reshape(points.shape[1:])
 
     found = np.zeros((len(X) + 1, X.shape[1]))
@@ -107,15 +112,34 @@ def _across_hits(
     starts = np.stack([X + each for each in (0.0, *beside)], axis=2)
     depth, leaves = _leave(is_matter, starts, n[:, :, None], h, halvings)
     hits = starts + n[:, :, None] * depth
-    chords = [hits[:, :, 2 * k + 2] - hits[:, :, 2 * k + 1] for k in range(d - 1)]
-    across = np.stack([chords[0][1], -chords[0][0]]) if d == 2 else np.cross(chords[0], chords[1], axis=0)
-    across = _unit(across)
+    across = _normal_of([hits[:, :, 2 * k + 2] - hits[:, :, 2 * k + 1] for k in range(d - 1)])
     across *= np.where((across * n).sum(axis=0) < 0.0, -1.0, 1.0)
     sagitta = depth[:, 0] - depth[:, 1:].mean(axis=1)
     of_surface = 2.0 * sagitta / (chord**2 + sagitta**2)
     curvature = of_surface / np.maximum(1.0 - of_surface * depth[:, 0], 0.1)
     known = leaves.all(axis=1)
     return np.where(known, across, n), np.where(known, curvature, 0.0)
+
+
+def carried_normals(n: Array, X: Array, arm: float, moved: Callable[[Array], Array]) -> Array:
+    """Return normals ``n`` (d, N) at points ``X`` after a motion, which need not be rigid: those of what lies across.
+
+    ``moved`` gives the new places of points, ``arm`` is how far from ``X`` the surface is evaluated [length].
+    """
+    d, count = n.shape
+    if d == 1 or count == 0:
+        return n
+    ends = [X + s * arm * t for t in _perpendicular(n) for s in (-1.0, 1.0)]
+    ends = np.split(moved(np.concatenate(ends, axis=1)), len(ends), axis=1)
+    return _normal_of([ends[2 * k + 1] - ends[2 * k] for k in range(d - 1)])
+
+
+def _normal_of(chords: list[Array]) -> Array:
+    """Unit vectors across chords (d, n) along what ``_perpendicular`` gives."""
+    first = chords[0] / np.maximum(np.abs(chords[0]).max(axis=0), 1e-300)
+    if len(first) == 2:
+        return _unit(np.stack([first[1], -first[0]]))
+    return _unit(np.cross(first, chords[1] / np.maximum(np.abs(chords[1]).max(axis=0), 1e-300), axis=0))
 
 
 def _perpendicular(n: Array) -> list[Array]:

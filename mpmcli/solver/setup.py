@@ -277,19 +277,36 @@ def _set_initial_gradients(scene: Any, particles: Particles) -> None:
 
 
 def _set_outward_normals(scene: Any, plan: Plan, particles: Particles, grid: Grid) -> None:
-    """Normals of the surfaces of rigid bodies; those that share a velocity field have one surface."""
+    """Normals of the surfaces of rigid bodies; those that share a velocity field or move alike have one surface."""
     from mpmcli.geometry.outward import outward_normals
 
     particles.outward = np.zeros((scene.dimensions + 1, particles.count))
-    fields = np.array(plan.field_of_body)
-    for i in rigid_bodies_of(scene):
-        regions = [scene.bodies[j].region for j in np.flatnonzero(fields == fields[i])]
+    fields, rigid = plan.field_of_body, rigid_bodies_of(scene)
+    for i in rigid:
+        motion = scene.bodies[i].velocity
+        alike = [j for j in rigid if fields[j] == fields[i] or scene.bodies[j].velocity == motion]
+        one_surface = [(scene.bodies[j], _cut_from(scene, j)) for j in alike]
 
-        def contains(points: Array, regions: list[Any] = regions) -> Array:
-            return np.logical_or.reduce([region.contains(points) for region in regions])
+        def contains(points: Array, parts: list[Any] = one_surface) -> Array:
+            inside = np.zeros(points.shape[1], dtype=bool)
+            for body, cuts in parts:
+                mine = body.region.contains(points)
+                for cut in cuts:
+                    mine[mine] = ~cut.contains(points[:, mine])
+                inside |= mine
+            return inside
 
         mine = np.flatnonzero(particles.body == i)
         particles.outward[:, mine] = outward_normals(contains, particles.X[:, mine], grid)
+
+
+def _cut_from(scene: Any, i: int) -> list[Any]:
+    """Regions of the bodies that take places from body ``i``, as ``settle_overlaps`` does."""
+    body, apart = scene.bodies[i], covering(scene.boundary)
+    earlier = scene.bodies[:i] if body.overlap == "keep" else ()
+    later = [other for other in scene.bodies[i + 1 :] if other.overlap == "replace"]
+    others = [other for other in (*earlier, *later) if other.name not in apart and body.name not in apart]
+    return [other.region for other in others if not other.region.gives_particles]
 
 
 def _point(X: Array) -> tuple[Any, ...]:

@@ -8,6 +8,8 @@ from mpmcli.contact.normals.gradients import rigid_surface
 from mpmcli.core.errors import SceneError
 from mpmcli.explain.facts import explain
 from mpmcli.scene.loader import load_scene
+from mpmcli.solver.plan import make_plan
+from mpmcli.solver.setup import make_grid, make_particles
 from mpmcli.solver.simulation import Simulation
 
 AXES = (0.0, 0.0)
@@ -126,6 +128,66 @@ def test_a_mirror_image_has_the_mirrored_surface(plain_python):
     np.testing.assert_allclose(X[:, one], Y[:, two], atol=1e-8)
     np.testing.assert_allclose(V[:, one], W[:, two], atol=1e-12)
     assert np.abs(V).max() > 0.01
+
+
+def test_walls_that_shear_have_the_normals_of_their_inclined_sides(plain_python):
+    """Velocity (γ' y, 0): a side x = const becomes x - γ y = const. The jaws of one body slide along a gap."""
+    sheared = TURNING.replace('["-0.5*y", "0.5*x"]', '["2*y", 0]')
+    jaws = ", ".join(f"{{kind: box, lower: [{x}, -4], upper: [{x + 3}, 4]}}" for x in (-3.25, 0.25))
+    jaws = TURNING.replace(
+        "{kind: ellipse, center: [0, 0], semi_axes: [3, 5]}", f"{{kind: union, regions: [{jaws}]}}"
+    )
+    jaws = jaws.replace('["-0.5*y", "0.5*x"]', '[0, "4*(x > 0)"]')
+    with plain_python():
+        runs = [Simulation(load_scene(text)) for text in (sheared, jaws)]
+        starts = [s.particles.outward[:2, np.argsort(s.particles.id)] for s in runs]
+        for s in runs:
+            for _ in range(2):
+                s.step()
+    (n, m), (n0, m0) = ([s.particles.outward[:2, np.argsort(s.particles.id)] for s in runs], starts)
+    exact = np.stack([n0[0], n0[1] - 2 * runs[0].time * n0[0]])
+    length = np.linalg.norm(exact, axis=0)
+    np.testing.assert_allclose(n, exact / np.where(length > 0, length, 1), atol=1e-9)
+    np.testing.assert_allclose(m, m0, atol=1e-9)
+
+
+def particles_with(bodies):
+    begin, end = TURNING.index("  - {name: block"), TURNING.index("contact:")
+    scene = load_scene(TURNING[:begin] + bodies + TURNING[end:]).scene
+    plan = make_plan(scene)
+    return make_particles(scene, plan, make_grid(scene, plan))[0]
+
+
+@pytest.mark.parametrize(
+    "speeds", [("", ""), (", velocity: [0, t]", ", velocity: [0, t]"), ("", ", velocity: [0, 1]")]
+)
+def test_a_floor_has_no_edge_at_a_wall_that_moves_alike(speeds):
+    """In fields of their own; the floor ends where the wall begins. A piston keeps its edge."""
+    p = particles_with(
+        "  - {name: block, material: soft, region: {kind: box, lower: [0, 0], upper: [4, 4]}}\n"
+        f"  - {{name: floor, material: steel, region: {{kind: box, lower: [0, -3], upper: [7, 0]}}{speeds[0]}}}\n"
+        f"  - {{name: wall, material: steel, region: {{kind: box, lower: [-3, -3], upper: [0, 5]}}{speeds[1]}}}\n"
+    )
+    edge = (p.body == 1) & (p.X[1] > -0.5) & (p.X[0] < 0.5)
+    n = np.array([0.0, 1.0]) if speeds[0] == speeds[1] else np.array([-1.0, 1.0]) / np.sqrt(2.0)
+    assert (n @ p.outward[:2, edge]).min() > 0.95
+
+
+@pytest.mark.parametrize("later", ["disk", "mould"])
+def test_what_other_bodies_take_of_a_rigid_body_is_no_part_of_it(later):
+    """A disk that replaces the middle of a rigid block, or is kept by it: the block has a round hole."""
+    bodies = [
+        "  - {name: block, material: soft, OVERLAP region: {kind: disk, center: [0, 0], radius: 4}}\n",
+        "  - {name: mould, material: steel, OVERLAP region: {kind: box, lower: [-7, -7], upper: [7, 7]}}\n",
+    ]
+    bodies = bodies if later == "mould" else bodies[::-1]
+    way = "keep" if later == "mould" else "replace"
+    bodies = bodies[0].replace("OVERLAP", "") + bodies[1].replace("OVERLAP", f"overlap: {way},")
+    p = particles_with(bodies)
+    r = np.linalg.norm(p.X, axis=0)
+    wall = (p.body == (1 if later == "mould" else 0)) & (r < 5.0)
+    assert wall.sum() > 80
+    np.testing.assert_allclose(p.outward[:2, wall], -(p.X / r)[:, wall], atol=0.01)
 
 
 def problems_of(*changes):

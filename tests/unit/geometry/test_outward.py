@@ -5,7 +5,7 @@ import pytest
 
 from mpmcli.core.grid import Grid
 from mpmcli.geometry import REGIONS
-from mpmcli.geometry.outward import REACH, outward_normals
+from mpmcli.geometry.outward import REACH, carried_normals, outward_normals
 
 
 def grid_of(d, low=-12.0, high=12.0, periodic=()):
@@ -66,6 +66,30 @@ def test_sides_of_the_grid_are_no_surface(periodic):
     top = X[1] > -2.0
     np.testing.assert_allclose(n[:, top], np.array([[0.0], [1.0]]) + 0 * X[:, top], atol=1e-7)
     assert not n[:, X[1] < -REACH].any()
+
+
+def test_symmetry_planes_within_the_grid_are_no_surface():
+    """A tool that ends at planes x = 0 and x = 6, with free nodes of the grid beyond them."""
+    grid = grid_of(2)
+    grid.mirrors = ((0, grid.pad + 12, True), (0, grid.pad + 18, False))
+    X, n, _ = found({"kind": "box", "lower": [0, -6], "upper": [6, 0]}, grid)
+    top = X[1] > -2.0
+    np.testing.assert_allclose(n[:, top], np.array([[0.0], [1.0]]) + 0 * X[:, top], atol=1e-7)
+    np.testing.assert_allclose(n[0], 0.0, atol=1e-7)
+
+
+def test_normals_are_carried_by_any_motion():
+    """Those of a surface whose tangents the deformation gradient turns: n of F^-T n."""
+    rng = np.random.default_rng(5)
+    for d in (2, 3):
+        F = np.eye(d) + rng.uniform(-0.3, 0.3, (d, d))
+        n = rng.normal(size=(d, 7))
+        n /= np.linalg.norm(n, axis=0)
+        exact = np.linalg.inv(F).T @ n
+        exact /= np.linalg.norm(exact, axis=0)
+        X = rng.uniform(-1.0, 1.0, (d, 7))
+        np.testing.assert_allclose(carried_normals(n, X, 0.1, lambda x, F=F: F @ x), exact, atol=1e-12)
+    assert carried_normals(np.array([[-1.0]]), np.array([[0.3]]), 0.1, lambda x: 2 * x) == -1.0
 
 
 def test_seams_are_no_surface():
