@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.compiled.kernel import inline
+from mpmcli.core.directions import normal_across, perpendicular
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.order import CellOrder
 from mpmcli.core.step import Step
@@ -89,8 +90,6 @@ class RigidBodies:
 
     def _turn(self, places: Array, X: Array, moved: Callable[[Array], Array]) -> None:
         """Let the normals of particles at ``X`` (d, n) follow the surface as it moves."""
-        from mpmcli.geometry.outward import carried_normals
-
         known = self._outward[:-1, places].any(axis=0)
         some = places[known]
         self._outward[:-1, some] = carried_normals(self._outward[:-1, some], X[:, known], self._arm, moved)
@@ -165,6 +164,19 @@ def _moved(velocity: Any, X: Array, time: float, dt: float, name: str) -> Array:
     """Where points ``X`` (d, n) of body ``name`` are after a step, by the midpoint rule [length]."""
     middle = X + velocity_at(velocity, X, time, name) * (0.5 * dt)
     return X + velocity_at(velocity, middle, time + 0.5 * dt, name) * dt
+
+
+def carried_normals(n: Array, X: Array, arm: float, moved: Callable[[Array], Array]) -> Array:
+    """Return normals ``n`` (d, N) at points ``X`` after a motion, which need not be rigid: those of what lies across.
+
+    ``moved`` gives the new places of points, ``arm`` is how far from ``X`` the surface is evaluated [length].
+    """
+    d, count = n.shape
+    if d == 1 or count == 0:
+        return n
+    ends = [X + s * arm * t for t in perpendicular(n) for s in (-1.0, 1.0)]
+    ends = np.split(moved(np.concatenate(ends, axis=1)), len(ends), axis=1)
+    return normal_across([ends[2 * k + 1] - ends[2 * k] for k in range(d - 1)])
 
 
 def _depends_on_place(velocity: Any) -> bool:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from mpmcli.core.directions import normal_across, perpendicular, unit_vectors
 from mpmcli.core.grid import Grid
 
 Array = np.ndarray
@@ -69,7 +70,7 @@ def _of_chunk(is_matter: Callable[[Array], Array], X: Array, cell: Array) -> Arr
     offsets = np.concatenate([h * r * ways for r in RADII], axis=1)
     missing = ~is_matter(X[:, :, None] + offsets[:, None, :])
     weight = np.repeat([1.0 / r for r in RADII], ways.shape[1])
-    n = _unit(np.tile(ways, len(RADII)) @ (missing * weight).T)
+    n = unit_vectors(np.tile(ways, len(RADII)) @ (missing * weight).T)
     found = np.zeros((d + 1, X.shape[1]))
     near = np.flatnonzero(n.any(axis=0))
     n, X = n[:, near], X[:, near]
@@ -86,17 +87,11 @@ def _ways(d: int) -> Array:
     steps = np.array([s for s in itertools.product((-1.0, 0.0, 1.0), repeat=d) if any(s)]).T
     if d == 2:
         eighth = np.pi / 8
-        turned = np.array([[np.cos(eighth), -np.sin(eighth)], [np.sin(eighth), np.cos(eighth)]]) @ _unit(
-            steps
-        )
-        steps = np.concatenate([_unit(steps), turned], axis=1)
-    return _unit(steps)
-
-
-def _unit(v: Array) -> Array:
-    """Vectors (d, n) of length 1; those that are zero but for round-off stay zero."""
-    length = np.sqrt((v**2).sum(axis=0))
-    return np.where(length > 1e-9, v / np.maximum(length, 1e-9), 0.0)
+        turned = np.array(
+            [[np.cos(eighth), -np.sin(eighth)], [np.sin(eighth), np.cos(eighth)]]
+        ) @ unit_vectors(steps)
+        steps = np.concatenate([unit_vectors(steps), turned], axis=1)
+    return unit_vectors(steps)
 
 
 def _across_hits(
@@ -108,47 +103,17 @@ def _across_hits(
     between the latter's hits, the curvature that of the circle through three hits.
     """
     d = len(X)
-    beside = [s * chord * t for t in _perpendicular(n) for s in (-1.0, 1.0)]
+    beside = [s * chord * t for t in perpendicular(n) for s in (-1.0, 1.0)]
     starts = np.stack([X + each for each in (0.0, *beside)], axis=2)
     depth, leaves = _leave(is_matter, starts, n[:, :, None], h, halvings)
     hits = starts + n[:, :, None] * depth
-    across = _normal_of([hits[:, :, 2 * k + 2] - hits[:, :, 2 * k + 1] for k in range(d - 1)])
+    across = normal_across([hits[:, :, 2 * k + 2] - hits[:, :, 2 * k + 1] for k in range(d - 1)])
     across *= np.where((across * n).sum(axis=0) < 0.0, -1.0, 1.0)
     sagitta = depth[:, 0] - depth[:, 1:].mean(axis=1)
     of_surface = 2.0 * sagitta / (chord**2 + sagitta**2)
     curvature = of_surface / np.maximum(1.0 - of_surface * depth[:, 0], 0.1)
     known = leaves.all(axis=1)
     return np.where(known, across, n), np.where(known, curvature, 0.0)
-
-
-def carried_normals(n: Array, X: Array, arm: float, moved: Callable[[Array], Array]) -> Array:
-    """Return normals ``n`` (d, N) at points ``X`` after a motion, which need not be rigid: those of what lies across.
-
-    ``moved`` gives the new places of points, ``arm`` is how far from ``X`` the surface is evaluated [length].
-    """
-    d, count = n.shape
-    if d == 1 or count == 0:
-        return n
-    ends = [X + s * arm * t for t in _perpendicular(n) for s in (-1.0, 1.0)]
-    ends = np.split(moved(np.concatenate(ends, axis=1)), len(ends), axis=1)
-    return _normal_of([ends[2 * k + 1] - ends[2 * k] for k in range(d - 1)])
-
-
-def _normal_of(chords: list[Array]) -> Array:
-    """Unit vectors across chords (d, n) along what ``_perpendicular`` gives."""
-    first = chords[0] / np.maximum(np.abs(chords[0]).max(axis=0), 1e-300)
-    if len(first) == 2:
-        return _unit(np.stack([first[1], -first[0]]))
-    return _unit(np.cross(first, chords[1] / np.maximum(np.abs(chords[1]).max(axis=0), 1e-300), axis=0))
-
-
-def _perpendicular(n: Array) -> list[Array]:
-    """Unit vectors (d, n) across ``n``: one in the plane, two in space."""
-    if len(n) == 2:
-        return [np.stack([-n[1], n[0]])]
-    axis = np.eye(3)[np.abs(n).argmin(axis=0)].T
-    first = _unit(np.cross(n, axis, axis=0))
-    return [first, np.cross(n, first, axis=0)]
 
 
 def _leave(

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from mpmcli.boundary.rigid import carried_normals
 from mpmcli.core.grid import Grid
 from mpmcli.geometry import REGIONS
-from mpmcli.geometry.outward import REACH, carried_normals, outward_normals
+from mpmcli.geometry.outward import REACH, outward_normals
 
 
 def grid_of(d, low=-12.0, high=12.0, periodic=()):
