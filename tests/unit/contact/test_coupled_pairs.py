@@ -31,10 +31,10 @@ def motion(density, pairs):
 
 
 @pytest.mark.parametrize("pairs", [[], [{"between": ["low", "sheet"], "law": ROUGH}]], ids=["one law", "two"])
-@pytest.mark.parametrize("density", [0.01, 0.001])
+@pytest.mark.parametrize("density", [0.1, 0.01])
 def test_a_light_field_between_heavy_ones_is_settled(density, pairs, plain_python, monkeypatch):
     with plain_python():
         found = motion(density, pairs)
         monkeypatch.setattr(coupled_pairs, "ROUNDS", 10 * coupled_pairs.ROUNDS)
         settled = motion(density, pairs)
-    assert np.abs(found - settled).max() < 1e-6  # of an impact at speed 1; after 40 rounds 0.02 to 0.25
+    assert np.abs(found - settled).max() < 1e-6  # of an impact at speed 1; after 40 rounds 0.08
