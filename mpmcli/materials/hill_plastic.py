@@ -9,7 +9,7 @@ from pydantic import Field
 
 from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.exponentials import exponential, logarithm
+from mpmcli.core.exponentials import logarithm
 from mpmcli.core.model import Quantity
 from mpmcli.core.tensors import determinant, multiply
 from mpmcli.materials.anisotropic import (
@@ -59,10 +59,6 @@ Array = np.ndarray
 STRAIN, WORK, TEMPERATURE, HEAT, STIFFER = 9, 10, 11, 12, 13
 LEAST = 1e-9
 """Flow stress over the trial stress, at least."""
-RETURNS = 3
-"""Most returns of a step: strains below 0.5 % need one, larger ones two."""
-SETTLED = 1e-7
-"""Change of the trace of the elastic strain by flow that needs no further return."""
 
 ConstantStiffness = Annotated[
     LinearHardening | JohnsonCookHardening | PowerLawHardening | SwiftHardening | VoceHardening,
@@ -288,23 +284,12 @@ def gradient_in_space(m: Any, H: Any, p: Any) -> Any:
 def settled_stress(
     m: Any, A: Any, E: Any, T: Any, k: float, end: float, H: Any, p: Any, dt: float, commit: Any
 ) -> Any:
-    """Kirchhoff stress of A with the trial strain E, of which T and k = Δα/σ̄, σ̄ being ``end``, are ``returned``.
-
-    Flow keeps the volume, not the trace of E, which has terms of third order: after large steps the stress returns
-    again from the trace that is left.
-    """
+    """Kirchhoff stress of A with the trial strain E, of which T and k = Δα/σ̄, σ̄ being ``end``, are ``returned``."""
     if k > 0.0:
-        alpha, temperature, dilation = H[STRAIN, p], H[TEMPERATURE, p], 0.0
-        trial = A
-        for _ in range(RETURNS):
-            X = slope_of(m, T)
-            X = combine(k, X, 0.0, X)
-            A, change = flowed(m, trial, combine(1.0, E, -1.0, X), X)
-            dilation += change
-            if abs(change) <= SETTLED:
-                break
-            E = combine(1.0, E, change / 3.0, (1.0, 1.0, 1.0, 0.0, 0.0, 0.0))
-            T, k, end = returned(m, E, alpha, temperature, dt)
+        alpha, temperature = H[STRAIN, p], H[TEMPERATURE, p]
+        X = slope_of(m, T)
+        X = combine(k, X, 0.0, X)
+        A, dilation = flowed(m, A, combine(1.0, E, -1.0, X), X)
         if commit:
             step = k * end
             rate = step / dt if dt > 0.0 else 0.0
@@ -326,29 +311,26 @@ def settled_stress(
 
 @inline
 def free_trial(m: Any, dF: Any, H: Any, p: Any, dt: float) -> Any:
-    """A with the thickness of the last step and its strain, the one across the plane, the thickness that A has with
-    it, and what is ``returned``.
+    """A with the thickness of the last step and its strain, the one across the plane, and what is ``returned``.
 
-    In plane stress the numbers are those of the plane: the return needs no thickness. Flow leaves the volume, whose
-    logarithm is the trace of the elastic strain that is left.
+    In plane stress the numbers are those of the plane: the return needs no thickness.
     """
     A = multiply(dF, gradient_of(m, H, p))
     E = strain_of(m, A)
     T, k, end = returned(m, E, H[STRAIN, p], H[TEMPERATURE, p], dt)
-    across = m.thin_1 * T[0] + m.thin_2 * T[1] + k * slope_of(m, T)[2]
-    z = exponential(E[0] + E[1] + across) / (A[0] * A[4] - A[1] * A[3]) if k > 0.0 else extension_of(across)
-    return A, E, across, z, T, k, end
+    return A, E, m.thin_1 * T[0] + m.thin_2 * T[1] + k * slope_of(m, T)[2], T, k, end
 
 
 def plane_thickness(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
     """``thickness_stretch`` of the law."""
-    A, _, _, z, _, _, _ = free_trial(m, dF, H, p, dt)
-    return F[8] * z / A[8]
+    A, _, across, _, _, _ = free_trial(m, dF, H, p, dt)
+    return F[8] * extension_of(across) / A[8]
 
 
 def plane_stress(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) -> Any:
     """``free_stress`` of the law."""
-    A, E, across, z, T, k, end = free_trial(m, dF, H, p, dt)
+    A, E, across, T, k, end = free_trial(m, dF, H, p, dt)
+    z = extension_of(across)
     F1, dF1 = widened(F, dF, F[8] * z / A[8], both)
     A = (A[0], A[1], 0.0, A[3], A[4], 0.0, 0.0, 0.0, z)
     E = (E[0], E[1], across, E[3], 0.0, 0.0)

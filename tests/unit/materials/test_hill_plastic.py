@@ -15,7 +15,7 @@ from mpmcli.materials import MATERIALS
 from mpmcli.materials.axes import quaternion_of
 from mpmcli.materials.base import history_at_start, kirchhoff_stress, strain_energy
 from mpmcli.materials.hill_anisotropy import Hill
-from mpmcli.materials.lateral import free_stress, thickness_stretch
+from mpmcli.materials.lateral import thickness_stretch
 
 METAL = {
     **{"E1": 70.0, "E2": 70.0, "E3": 70.0, "G12": 26.0, "G13": 26.0, "G23": 26.0},
@@ -228,22 +228,3 @@ REFUSED = [
 def test_what_cannot_be(numbers, words):
     with pytest.raises(ValidationError, match=words):
         make(**numbers)
-
-
-@pytest.mark.parametrize("yield_stress", [0.1, 0.003])
-@pytest.mark.parametrize("analysis", ["3d", "plane_stress"])
-def test_a_step_without_strain_changes_nothing(analysis, yield_stress):
-    """Also after large steps, whose strain has a trace of third order."""
-    moduli = {} if yield_stress == 0.1 else examples.ORTHOTROPIC
-    one = nine(np.eye(3))
-    model = make(
-        **moduli, hardening={"kind": "linear", "yield_stress": yield_stress, "modulus": yield_stress}
-    )
-    m, H = model.parameters(analysis, True), start(model, 30, (1, 1, 0) if analysis == "3d" else (0, 0, 1))
-    for dF in path(6, 0.1):
-        if analysis == "plane_stress":
-            dF[2] = dF[:, 2] = 0.0, 0.0, 1.0
-            tau, again = (free_stress(m, one, nine(x), H, 0, 1.0, False)[2] for x in (dF, np.eye(3)))
-        else:
-            tau, again = (kirchhoff_stress(m, one, nine(x), H, 0, 1.0, True) for x in (dF, np.eye(3)))
-        assert again == pytest.approx(tau, abs=2e-4 * np.abs(tau).max())
