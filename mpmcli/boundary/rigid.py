@@ -46,6 +46,8 @@ class RigidBodies:
         self._is_rigid = np.zeros(len(fields), dtype=bool)
         self._is_rigid[[field_of_body[i] for i in rigid]] = True
         self._moving = [(i, bodies[i].velocity) for i in rigid if bodies[i].velocity]
+        self._turns = any(_depends_on_place(velocity) for _, velocity in self._moving)
+        self._outward: Any = None
         self._of_fields = _velocities_of_fields(bodies, rigid, field_of_body)
         self._version = self._dofs_version = self._nodes_version = -1
         self._places: list[Array] = []
@@ -78,7 +80,8 @@ class RigidBodies:
             self._places = [np.flatnonzero(bodies == i) for i, _ in self._moving]
         self._X = p.X[:, self._still]
         self._V = np.zeros_like(self._X)
-        self._outward: Any = None if p.outward is None else p.outward[:, self._still]
+        if p.outward is not None and self._turns:
+            self._outward = p.outward[:, self._still]
         for places, (i, velocity) in zip(self._places, self._moving, strict=True):
             name = self._bodies[i].name
             start = self._X[:, places]
@@ -124,9 +127,8 @@ class RigidBodies:
     def move(self, X: Array) -> None:
         """Put positions ``X`` (d, N), velocities and surface normals of rigid particles to the end of the step."""
         V = self._particles.V
-        outward: Any = self._particles.outward
-        if outward is not None:
-            outward[:, self._still] = self._outward
+        if self._outward is not None:
+            self._particles.outward[:, self._still] = self._outward  # type: ignore[index]
         self._order.drift += put_back(self._still, self._X, self._V, X, V, 1.0 / self._grid.cell)
 
 
@@ -167,9 +169,10 @@ def _moved(velocity: Any, X: Array, time: float, dt: float, name: str) -> Array:
 
 
 def carried_normals(n: Array, X: Array, arm: float, moved: Callable[[Array], Array]) -> Array:
-    """Return normals ``n`` (d, N) at points ``X`` after a motion, which need not be rigid: those of what lies across.
+    """Return unit normals ``n`` (d, N) at points ``X`` (d, N) [length] after a motion, which need not be rigid.
 
-    ``moved`` gives the new places of points, ``arm`` is how far from ``X`` the surface is evaluated [length].
+    They stay across what lay across them. ``moved`` gives the new places of points, ``arm`` is how far from ``X`` the
+    motion is evaluated [length].
     """
     d, count = n.shape
     if d == 1 or count == 0:

@@ -11,11 +11,11 @@ from mpmcli.core.grid import Grid
 Array = np.ndarray
 
 REACH = 2.5
-"""A surface this far away [cells] still gives a particle a normal: farther particles are not seen by nodes near it."""
+"""A surface this far away [cells] still gives a particle a normal: nodes near it do not reach particles farther away."""
 RADII = (0.4, 1.0, REACH)
-"""Distances at which the matter around a particle is looked at [cells]."""
+"""Distances from a particle at which points are tested for matter [cells]."""
 ALONG = np.arange(-1.0, REACH + 0.6, 0.5)
-"""Places along a ray between which the surface is looked for [cells]."""
+"""Places along a ray between which the surface is searched for [cells]."""
 CHORD = 0.4
 """Distance from a particle of the rays whose hits span the surface [cells]."""
 HALVINGS = (8, 8, 24)
@@ -41,7 +41,6 @@ def outward_normals(contains: Callable[[Array], Array], X: Array, grid: Grid) ->
     (d + 1, N) unit vectors that point out of the matter [-], and the curvature at the point, positive where
     matter is convex, in space the mean of both [1/length]; zeros where no surface is within 2.5 cells.
     """
-
     lower, upper = grid.lower.copy(), grid.upper.copy()
     for a, line, is_lower in grid.mirrors:
         (lower if is_lower else upper)[a] = grid.lower[a] + (line - grid.pad) * grid.cell[a]

@@ -102,9 +102,9 @@ def prefer_rigid(bias: Any, rigid: Any, found: Any, ga: Any, gb: Any) -> Any:
 def rigid_surface(axes: Any, outward: Any, neighbours: Any, count: Any, rigid: Any, out: Any) -> Any:
     """Overwrite ``out`` (d,) with the normal from α into the rigid β, if β's surface gives one; whether it does.
 
-    It is the mean, weighted by S V, of what those particles p of β whose surface faces α's centroid say (a thin body
-    has another surface behind): at a node x away from p, a surface with normal n and curvature κ at p has the
-    normal n + κ x. ``outward`` is that of ``neighbours``, or None.
+    It is the mean, weighted by S V, of the normals at the node by those particles p of β whose surface faces α's
+    centroid (a thin body has another surface behind): n + κ x, with the normal n [-] and the curvature κ [1/length]
+    of the surface at p, x from p to the node [length]. ``outward`` (d + 1, capacity) is that of ``neighbours``, or None.
     """
     if outward is None or not rigid:
         return False
