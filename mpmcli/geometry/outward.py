@@ -11,7 +11,7 @@ from mpmcli.core.grid import Grid
 Array = np.ndarray
 
 REACH = 2.5
-"""A surface this far away [cells] still gives a particle a normal: nodes near it do not reach particles farther away."""
+"""A surface this far away [cells] still gives a particle a normal: nodes near it do not reach farther particles."""
 RADII = (0.4, 1.0, REACH)
 """Distances from a particle at which points are tested for matter [cells]."""
 ALONG = np.arange(-1.0, REACH + 0.6, 0.5)

@@ -104,7 +104,8 @@ def rigid_surface(axes: Any, outward: Any, neighbours: Any, count: Any, rigid: A
 
     It is the mean, weighted by S V, of the normals at the node by those particles p of β whose surface faces α's
     centroid (a thin body has another surface behind): n + κ x, with the normal n [-] and the curvature κ [1/length]
-    of the surface at p, x from p to the node [length]. ``outward`` (d + 1, capacity) is that of ``neighbours``, or None.
+    of the surface at p, x from p to the node [length]. ``outward`` (d + 1, capacity) is ``neighbours.outward``, or
+    None.
     """
     if outward is None or not rigid:
         return False
