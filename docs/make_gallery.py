@@ -295,6 +295,18 @@ GALLERY = (
         ),
     ),
     Shown(
+        "squealing_block",
+        "Squeal",
+        (),
+        (
+            Drawn(
+                "squealing_block",
+                ("--column", "contact_force_x[block],contact_force_y[block]"),
+                "Forces of a rigid floor on a block that slides: friction makes a vibration grow until it bounces.",
+            ),
+        ),
+    ),
+    Shown(
         "vortex",
         "Vortex",
         (),

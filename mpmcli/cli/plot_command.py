@@ -11,8 +11,8 @@ from mpmcli.cli.completion import offering, quantities
 from mpmcli.cli.options import RealRange, in_scene_units, together
 
 WHAT = (
-    "energies", "stresses", "strains", "reactions", "momentum", "contact", "interfaces", "cracks", "motion", "steps",
-    "growth", "probes", "particles", "all",
+    "energies", "stresses", "strains", "reactions", "momentum", "contact", "interfaces", "cracks", "heat", "motion",
+    "steps", "growth", "probes", "particles", "all",
 )  # fmt: skip
 """``mpmcli.results.pictures.request.WHAT``, which help does not import."""
 AXES = ("x", "y", "z")

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from mpmcli.core.errors import SimulationError
 from mpmcli.scene.method import Flip, Fmpm, Xpic
 from mpmcli.solver.simulation import Simulation
@@ -89,6 +91,7 @@ class _Way:
         s = self.simulation
         return s.time >= self._end or (self._most is not None and s.state.step >= self._most)
 
+    @np.errstate(all="ignore")
     def _step(self) -> None:
         s = self.simulation
         if self.is_over:

@@ -32,7 +32,7 @@ PLOTS = "plots"
 PARAVIEW = "open_in_paraview.py"
 """Script that opens a result in ParaView; not ``paraview.py``: that would hide the module that it imports."""
 PICTURE = re.compile(
-    r"(energies|stresses|strains|reactions|momentum|contact|interfaces|cracks|motion|steps|growth|columns|particles|probe_.+)\.(png|gif|mp4)"
+    r"(energies|stresses|strains|reactions|momentum|contact|interfaces|cracks|heat|motion|steps|growth|columns|particles|probe_.+)\.(png|gif|mp4)"
 )
 """Names of pictures that ``mpmcli plot`` chooses."""
 

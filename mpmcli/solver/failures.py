@@ -59,6 +59,7 @@ class Failures:
         particle = int(np.argmin(J))
         return f"the most compressed is {self.describe(particle)}, with J = {J[particle]:.3g}"
 
+    @np.errstate(all="ignore")
     def refuse_state(self, particle: int) -> None:
         """Raise SimulationError for a particle whose stress or J is impossible."""
         J = float(self._particles.determinant()[particle])

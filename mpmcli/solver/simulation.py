@@ -210,24 +210,23 @@ class Simulation(Parts):
         """Advance by one time step; raises SimulationError where the simulation cannot go on."""
         if self.state.step % GOOD_EVERY == 0:
             self.keep_good_state()
-        is_untouched = True
+        begun: list[Task] = []
         try:
             self.last_step = step = self._next_step()
-            with np.errstate(all="ignore"):  # the watchdogs say it better
-                begin = perf_counter()
-                for task in self.tasks[step.plan.method.flip]:
-                    is_untouched = is_untouched and not task.changes_state
-                    task.run(step)
-                    end = perf_counter()
-                    self.timings[task.title] += end - begin
-                    begin = end
+            timings, begin = self.timings, perf_counter()
+            for task in self.tasks[step.plan.method.flip]:
+                begun.append(task)
+                task.run(step)
+                end = perf_counter()
+                timings[task.title] += end - begin
+                begin = end
             self.particle_speed = self.transfer.largest_speed
             if self.state.step == 1:
                 self._warn_of_idle(self.conditions)
             if self.heat is not None and self.heat.acts and self.heat.acted == 1:
                 self._warn_of_idle(self.heat.held)
         except SimulationError as error:
-            if is_untouched and self.particles.are_possible():
+            if not any(task.changes_state for task in begun) and self.particles.are_possible():
                 self.keep_good_state()
             error.state = self._last_good
             raise

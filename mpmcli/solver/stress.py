@@ -102,7 +102,7 @@ class StressUpdate:
         if self._bath is not None:
             self._bath[:] = 0.0
         for i in self._used:
-            self._kernels.run(update_strain_and_stress, (i, id(L)), partial(self._arguments, i, L), dt)
+            self._kernels.run(update_strain_and_stress, i, id(L), partial(self._arguments, i, L), dt)
             bad = int(largest(self._bad))
             if bad >= 0:
                 self._refuse(bad)

@@ -186,10 +186,10 @@ class Transfer:
         kernels.scatter[self.parallel](task, self.zero if zero is None else zero, None, *operator)
 
     def _scatter_field(
-        self, field: NodalField, key: Hashable, task: Callable[[], NamedTuple], weights: Any = None,
-        too: NamedTuple | None = None,
+        self, field: NodalField, key: Hashable, arrays: tuple[int, ...], task: Callable[[], NamedTuple],
+        weights: Any = None, too: NamedTuple | None = None,
     ) -> None:  # fmt: skip
-        """Run a task of a field; the ``key`` stands for all arrays that tasks of velocities hold.
+        """Run a task of a field; with the ``key``, ``arrays`` stands for all arrays that tasks of velocities hold.
 
         ``weights``, unless None, take the place of the shape function. ``too`` is a task of ``scatter_too`` for another
         field.
@@ -200,16 +200,17 @@ class Transfer:
             return task(), field.zero, too, analysis, shape if weights is None else weights, *rest
 
         is_bound = field is self.fields[0] and too is None
-        self._run(kernels.scatter, (field.name, key, type(too)), is_bound, arguments)
+        self._run(kernels.scatter, (field.name, key, type(too)), arrays, is_bound, arguments)
 
     def _run(
-        self, kernel: Kernel, key: Hashable, is_bound: bool, arguments: Callable[[], tuple[Any, ...]], *numbers: float
+        self, kernel: Kernel, key: Hashable, arrays: tuple[int, ...], is_bound: bool,
+        arguments: Callable[[], tuple[Any, ...]], *numbers: float,
     ) -> None:  # fmt: skip
         """Run a kernel; ``is_bound``: its arguments are the same arrays until particles are sorted or removed."""
+        types = key, len(self.across), self.cut is None
         if is_bound and self.sights is None:
-            self._bound.run(kernel, (key, id(self.particles.X)), arguments, *numbers)
+            self._bound.run(kernel, types, (*arrays, id(self.particles.X)), arguments, *numbers)
         else:
-            types = key, len(self.across), self.cut is None
             self._call(kernel, *arguments(), *numbers, parallel=self.parallel, key=types)
 
     def _store_weights(self) -> None:
@@ -227,7 +228,7 @@ class Transfer:
             where = (p.X, self._domain_F, p.size, *self._stored)
             return shape, self.geometry, self.across, chunks, self.stencil, *where
 
-        self._run(kernels.store_weights, "weights", True, arguments)
+        self._run(kernels.store_weights, "weights", (), True, arguments)
 
     def gather(self, task: NamedTuple, by_field: bool = True) -> None:
         """Grid to particles: run a task of ``core.transfer.beside.gather_particle`` over all particles."""
@@ -248,7 +249,7 @@ class Transfer:
             if with_forces:
                 clear_nodes[self.parallel](self.grid.active, field.f)
             task = partial(self._extrapolation, field, with_forces)
-            self._scatter_field(field, ("extrapolate", with_forces), task, too=too)
+            self._scatter_field(field, ("extrapolate", with_forces), (), task, too=too)
             problem, particle = self.stencil.status.tolist()
             if problem == 0:
                 break
@@ -294,7 +295,7 @@ class Transfer:
         def task() -> NamedTuple:
             return tasks.InternalForces(self.particles.vol0, tau, f.reshape(-1))
 
-        self._scatter_field(self.fields[0], ("forces", id(tau), id(f)), task, too=too)
+        self._scatter_field(self.fields[0], "forces", (id(tau), id(f)), task, too=too)
 
     def add_vector(self, V: Array, out: Array) -> None:
         """out += Sᵀ M V."""
@@ -309,7 +310,7 @@ class Transfer:
                 return tasks.VectorSum(M, V, flat)
             return tasks.AffineVectorSum(M, V, field.gradient(), flat)
 
-        self._scatter_field(field, ("values", id(out)), task)
+        self._scatter_field(field, "values", (id(out),), task)
         field.complete(out)
 
     def project(self, field: NodalField, v: Array, out: Array, weight: float, first: bool = True) -> None:
@@ -330,7 +331,8 @@ class Transfer:
         reads_weights = self._stores and field.gradient is None
         if reads_weights and first:
             self._store_weights()
-        self._scatter_field(field, ("project", id(v), id(out)), task, self._stored if reads_weights else None)
+        weights = self._stored if reads_weights else None
+        self._scatter_field(field, "project", (id(v), id(out)), task, weights)
         field.complete(out, weight)
 
     def velocity_gradients(self, v: Array) -> None:
@@ -339,7 +341,7 @@ class Transfer:
         def arguments() -> tuple[Any, ...]:
             return self.zero, *self.operator(self.order.chunks), v.reshape(-1), self.particles.L
 
-        self._run(kernels.find_velocity_gradients, id(v), True, arguments)
+        self._run(kernels.find_velocity_gradients, "gradients", (id(v),), True, arguments)
 
     def move(
         self, v: Array, w: Array | None, start: Array | None, flip: bool, alpha: float, damping: float, dt: float,
@@ -356,9 +358,10 @@ class Transfer:
                 damped, too,
             )  # fmt: skip
 
-        key = flip, with_gradients, id(v), id(w), id(start), id(X_new), damped is None, type(too)
+        key = "move", flip, with_gradients, w is None, start is None, damped is None, type(too)
+        arrays = id(v), id(w), id(start), id(X_new)
         is_bound = damped is None and too is None
-        self._run(kernels.move_particles, key, is_bound, arguments, alpha, damping, dt)
+        self._run(kernels.move_particles, key, arrays, is_bound, arguments, alpha, damping, dt)
         self._moved = True
         self.farthest, self.largest_speed = largest(self.travel), math.sqrt(largest(self.speed_squared))
         self.order.drift += self.farthest

@@ -7,6 +7,8 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.times import is_reached
 from mpmcli.output.snapshot import Snapshot
@@ -105,6 +107,7 @@ def _events(loaded: LoadedScene, simulation: Any) -> Events | None:
     return Events(scene, context_of(scene, simulation.state), simulation)
 
 
+@np.errstate(all="ignore")  # the watchdogs say it better
 def _advance(
     simulation: Any,
     end: float,

@@ -31,17 +31,25 @@ class TypedCalls:
         self, function: Kernel | Compiled, *arguments: Any, parallel: bool = False, key: Hashable = None
     ) -> Any:
         """Call a function, of a kernel the parallel version or the serial one."""
+        code = self.code(function, arguments, parallel, key)
+        if code is None:
+            code = function[parallel] if isinstance(function, Kernel) else function
+        return code(*arguments)
+
+    def code(
+        self, function: Kernel | Compiled, arguments: tuple[Any, ...], parallel: bool, key: Hashable
+    ) -> Code | None:
+        """Machine code for the arguments; None where functions are listed, or run as Python."""
         place = function, parallel, key
         code = self._code.get(place)
         if code is None or CHECKS:
             found = _code_for(function, parallel, arguments)
             if found is None:
-                launch = function[parallel] if isinstance(function, Kernel) else function
-                return launch(*arguments)
+                return None
             if code is not None and found is not code:
                 raise TypeError(f"{function} takes arguments of other types than before, with the key {key}")
             code = self._code[place] = found
-        return code(*arguments)
+        return code
 
 
 class BoundKernels:
@@ -56,24 +64,33 @@ class BoundKernels:
     def __init__(self, parallel: bool, version: Callable[[], Any]):
         self._parallel, self._version = parallel, version
         self._bound: dict[Hashable, Code] = {}
+        self._typed = TypedCalls()
         self._known: Any = None
 
     def run(
-        self, kernel: Kernel, key: Hashable, arguments: Callable[[], tuple[Any, ...]], *numbers: float
+        self,
+        kernel: Kernel,
+        key: Hashable,
+        arrays: Hashable,
+        arguments: Callable[[], tuple[Any, ...]],
+        *numbers: float,
     ) -> None:
-        """Run a kernel; ``arguments``, which the ``key`` stands for, are only asked for if they are not bound yet."""
+        """Run a kernel; ``arguments`` are only asked for if they are not bound yet.
+
+        The ``key`` stands for their types, with ``arrays`` for the arguments themselves.
+        """
         version = self._version()
         if version != self._known:
             self._bound.clear()
             self._known = version
-        call = self._bound.get(key)
+        call = self._bound.get((key, arrays))
         if call is None:
             given = arguments()
-            code = _code_for(kernel, self._parallel, (*given, *numbers))
+            code = self._typed.code(kernel, (*given, *numbers), self._parallel, key)
             if code is None:
                 kernel[self._parallel](*given, *numbers)
                 return
-            call = self._bound[key] = partial(code, *given)
+            call = self._bound[key, arrays] = partial(code, *given)
         call(*numbers)
 
 

@@ -34,6 +34,9 @@ SUBJECTS: dict[str, tuple[str, ...]] = {
         "crack_length", "J", "K_I", "K_II", "tip", "tip_speed", "released_energy", "crack_force", "crack_nodes",
         "third_cracks",
     ),
+    "heat": (
+        "temperature", "temperature_min", "temperature_max", "heat", "contact_heat", "entropy", "heat_error",
+    ),
     "motion": ("center", "velocity", "largest_speed"),
     "steps": ("dt", "smallest_J", "mass"),
 }  # fmt: skip

@@ -19,7 +19,7 @@ class Arrays:
     def __init__(self):
         self.version = 0
         self.active, self.array = np.arange(3), np.ones((4, 2))
-        self.asked = 0
+        self.asked, self.key = 0, "pairs"
         self.kernels = BoundKernels(False, lambda: self.version)
 
     def arguments(self):
@@ -27,7 +27,7 @@ class Arrays:
         return self.active, self.array
 
     def clear(self):
-        self.kernels.run(clear_nodes, "clear", self.arguments)
+        self.kernels.run(clear_nodes, self.key, (), self.arguments)
 
 
 def test_arguments_are_asked_for_until_an_array_is_replaced():
@@ -51,7 +51,7 @@ def test_arrays_of_another_type_get_code_of_their_own(other):
     changed = {
         "components": np.ones((4, 5)), "type": np.ones((4, 2), dtype=np.float32), "order": np.ones((2, 4)).T,
     }  # fmt: skip
-    arrays.array, arrays.version = changed[other], 1
+    arrays.array, arrays.version, arrays.key = changed[other], 1, other
     arrays.clear()
     assert (arrays.array[:3] == 0).all()
     assert (arrays.array[3] == 1).all()
@@ -60,7 +60,7 @@ def test_arrays_of_another_type_get_code_of_their_own(other):
 def test_numbers_are_added_to_what_is_bound():
     values, kernels = np.zeros(3), BoundKernels(False, lambda: 0)
     for number in (1.0, np.float64(2.0), 4):  # to compiled code all of them are floats
-        kernels.run(add, "add", lambda: (values,), number)
+        kernels.run(add, "add", (), lambda: (values,), number)
     assert values.tolist() == [7, 7, 7]
 
 

@@ -128,6 +128,16 @@ def test_subjects(make_results, subject, labels):
     ] == labels
 
 
+def test_heat_is_temperatures_powers_and_entropy(make_results):
+    directory = make_results()
+    names = ["heat_inflow", "temperature[a]", "temperature_max", "heat[film]", "contact_heat[a|b]", "entropy"]
+    (directory / "globals.csv").write_text(
+        "\n".join([",".join(["step", "time", *names]), "0,0,1,2,3,4,5,6"]) + "\n"
+    )
+    labels = [panel.label for panel in subject_panels(Results(directory), "heat")]
+    assert labels == ["temperature", "temperature max", "heat", "contact heat", "entropy"]
+
+
 def test_empty_fields_are_gaps(make_results):
     directory = make_results()
     rows = ["0,0,1,", "1,1,,", "2,2,3,"]
