@@ -48,6 +48,7 @@ class ContactAccount:
         self._rigid = rigid = np.array(choice.rigid_fields, dtype=bool)
         self._has_geometry = choice.knows_normals
         self._bonds = np.array([law.bonds for law in choice.laws])
+        self._may_lump = not contacts.rules.explicit and np.count_nonzero(~rigid) > 2
         names = choice.fields
         n, d = len(names), grid.dimensions
         pairs = [(i, j) for i in range(n) for j in range(i + 1, n) if not (rigid[i] and rigid[j])]
@@ -91,9 +92,15 @@ class ContactAccount:
         c, view, grid = self._contacts, self.view, self._grid
         nodes, alpha = c.nodes.node, c.fields.alpha[: c.count]
         state, status = c.rows.state[: c.count], c.geometry.status[: c.count]
+        alone = c.fields.alone[: c.count]
         if grid.periodic:  # of nodes that are one the first counts
             first = grid.is_first(alpha)
-            nodes, state, status = nodes[grid.is_first(nodes)], state[first], status[first]
+            nodes, state, status, alone = (
+                nodes[grid.is_first(nodes)],
+                state[first],
+                status[first],
+                alone[first],
+            )
         view.nodes, view.contacts = len(nodes), len(state)
         view.all_contacts += view.contacts
         if c.count == 0:
@@ -120,6 +127,9 @@ class ContactAccount:
         )  # fmt: skip
         view.force /= dt
         view.touching = int(np.count_nonzero(state))
+        if self._may_lump:
+            view.all_touching += view.touching
+            view.all_lumped += int(np.count_nonzero(state[~alone]))
         if self._has_geometry:
             view.unconverged = int(np.count_nonzero(status == NOT_CONVERGED))
             view.all_unconverged += view.unconverged
@@ -252,6 +262,6 @@ class ContactAccount:
 
 VIEWED = (
     *("force", "area", "momentum_error", "nodes", "touching", "contacts", "unconverged"),
-    *("all_contacts", "all_unconverged"),
+    *("all_contacts", "all_unconverged", "all_touching", "all_lumped"),
 )
 """What is remembered of the account that output sees."""

@@ -40,6 +40,8 @@ class ContactView:
     nodes, touching : number of nodes that see several fields, of contacts that touch
     contacts, unconverged : number of contacts, of those whose normal did not converge
     all_contacts, all_unconverged : the same, summed up over all steps so far
+    all_touching, all_lumped : contacts of all steps that touched, and those of them at nodes of three or more bodies
+        where each met the sum of all others; 0 where no such nodes can be
     momentum_error : (d,) momentum that contacts of three or more fields have created so far [momentum]
     rigid_work : work that each rigid field has done so far, by name [energy]
     particle_normal : function giving the normal of the nearest contact of each particle, outward, (d, N); 0: none
@@ -57,6 +59,8 @@ class ContactView:
     unconverged: int = 0
     all_contacts: int = 0
     all_unconverged: int = 0
+    all_touching: int = 0
+    all_lumped: int = 0
     rigid_work: dict[str, float] = field(default_factory=dict)
     interfaces: InterfaceView | None = None
 

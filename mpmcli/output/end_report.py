@@ -49,6 +49,15 @@ def lost_in_words(lost: int) -> str:
     )
 
 
+def lumped_in_words(share: float) -> str:
+    """Return the warning of contacts at nodes of three or more bodies."""
+    return (
+        f"{100.0 * share:.2g} % of the contacts that touched were at nodes of three or more bodies, where each met the "
+        "sum of all others: momentum is not conserved there, and bodies may go into each other; try "
+        "contact.three_or_more: coupled"
+    )
+
+
 def crack_facts(state: State) -> dict[str, Any]:
     """Return what the manifest keeps of cracks, ``{}`` without them; energies are those of the full ring.
 

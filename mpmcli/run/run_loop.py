@@ -19,6 +19,7 @@ from mpmcli.output.end_report import (
     interface_facts,
     interfaces_in_words,
     lost_in_words,
+    lumped_in_words,
     stretch_in_words,
     third_in_words,
 )  # fmt: skip
@@ -37,6 +38,8 @@ STOPPED_EARLY = 6
 SETTING_UP = "setting up"
 UNCONVERGED_SHARE = 0.05
 """Share of all contacts whose normals may fail to converge before a run warns of it at its end."""
+LUMPED_SHARE = 0.02
+"""Share of the contacts that touched at nodes of three or more bodies that are lumped, above which it warns, too."""
 
 
 def is_over(step: int, now: float, end: float, max_steps: int | None) -> bool:
@@ -275,6 +278,8 @@ class RunLoop:
         state, found = self.simulation.state, {}
         if (view := state.contact) is not None:
             found = {"contacts": view.all_contacts, "contacts_unconverged": view.all_unconverged}
+            if view.all_lumped:
+                found["contacts_lumped"] = view.all_lumped / view.all_touching
         if self.events is not None:
             found |= self.events.facts()
         found |= interface_facts(state, self.recorder.balance.largest)
@@ -310,6 +315,8 @@ class RunLoop:
                 "%d contacts in all steps; the normals of %d (%.2g %%) did not converge, and their last iterates were "
                 "used", number, unconverged, 100.0 * share,
             )  # fmt: skip
+            if (lumped := facts.get("contacts_lumped", 0.0)) > LUMPED_SHARE:
+                LOGGER.warning("%s", lumped_in_words(lumped))
         if interfaces := facts.get("interfaces"):
             LOGGER.info("%s", interfaces_in_words(interfaces, self.loaded.units.label("energy")))
             if interfaces["lost"]:

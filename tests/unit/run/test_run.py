@@ -87,6 +87,18 @@ def test_normals_that_did_not_converge_are_counted_and_warned_of_once(
     assert (tmp_path / "out" / "run.log").read_text().count(words) == 1
 
 
+@pytest.mark.parametrize(("lumped", "warns"), [(0, False), (4, False), (5, True)])
+def test_lumped_contacts_are_counted_and_warned_of(lumped, warns, go, loaded, tmp_path, capfd):
+    view = ContactView(
+        pairs=[], force=np.zeros((0, 2)), area=np.zeros(0), momentum_error=np.zeros(2),
+        particle_normal=lambda: np.zeros((2, 2)), all_touching=200, all_lumped=lumped,
+    )  # fmt: skip
+    loaded.at[0] = lambda: setattr(loaded.simulation.state, "contact", view)
+    go()
+    assert manifest_of(tmp_path / "out")["run"].get("contacts_lumped", 0) == lumped / 200
+    assert ("try contact.three_or_more: coupled" in capfd.readouterr().err) is warns
+
+
 @pytest.mark.parametrize("lost", [0, 3])
 def test_interfaces_tell_at_the_end_where_their_energy_went(lost, go, loaded, tmp_path, capfd):
     one = np.full(1, 0.25e-4)
