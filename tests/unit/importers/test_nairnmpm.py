@@ -446,7 +446,7 @@ def test_names_without_letters(tmp_path):
 @pytest.mark.parametrize(
     ("parts", "words"),
     [
-        ({"points": BODY.replace('xmax="4"', 'xmax="9"')}, r":7 +bodies\.stuff\.region +the region spans"),
+        ({"points": BODY.replace('xmax="4"', 'xmax="0"')}, r":7 +bodies\.stuff\.region"),
         ({"material": MATERIAL.replace("0.3", "0.7")}, r":8 +materials\.stuff\.nu +0\.7 is out of range"),
         ({"material": MATERIAL.replace("<rho>1<", "<rho>&heavy;<"), "entities": '<!ENTITY heavy "-2">'},
          r":8 +materials\.stuff\.density +-0\.002 is out of range"),
@@ -1723,3 +1723,40 @@ def test_quantities_along_the_axes_of_a_cylinder(tmp_path, theirs, column):
 def test_conductivities_along_axes_have_no_effect_without_conduction(tmp_path):
     material = f'<Material Type="3" Name="A"><rho>1</rho>{FIBRES}<kCondA>3</kCondA></Material>'
     sound(tmp_path, source(material=material))
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [
+        ("heat energy", "heat_inflow: nothing conducts heat"),
+        ("thermal energy", "thermal_energy: nothing conducts heat"),
+        ("friction work", "contact_work: nothing is in contact"),
+        ("interface energy", "interface_energy: there is no interface"),
+        *((kind, f"'{kind}' is not archived") for kind in ("velz", "dispz", "sxz", "exz")),
+    ],
+)
+def test_columns_that_the_scene_lacks(tmp_path, kind, words):
+    setup = f'<GlobalArchiveTime units="ms">1</GlobalArchiveTime><GlobalArchive type="{kind}"/>'
+    made = sound(tmp_path, source(setup=setup))
+    assert any(words in str(note) for note in made.of_kind("ignored"))
+
+
+def test_bodies_end_where_the_grid_ends(tmp_path):
+    wide = '<Body mat="1"><Rect xmin="-3" xmax="1" ymin="0" ymax="9"/></Body>'
+    round_one = '<Body mat="1"><Oval xmin="4" xmax="8" ymin="0" ymax="4"/></Body>'
+    beyond = '<Body mat="1"><Rect xmin="6" xmax="9" ymin="0" ymax="4"/></Body>'
+    made = sound(tmp_path, source(points="\n".join((wide, round_one, beyond))))
+    first, second = (body["region"] for body in made.scene["bodies"])
+    assert (first["lower"], first["upper"]) == ([-2, 0], [1, 6])
+    assert second["kind"] == "intersection"
+    assert second["regions"][1]["upper"] == [6, 6]
+    notes = "\n".join(map(str, made.notes))
+    assert notes.count("beyond the grid is left out") == 2
+    assert notes.count("the body lies beyond the grid") == 1
+
+
+def test_holes_after_all_bodies_are_noted(tmp_path):
+    hole = '<Hole><Rect xmin="1" xmax="2" ymin="1" ymax="2"/></Hole>'
+    made = sound(tmp_path, source(points=BODY + hole))
+    assert any("there is none" in str(note) for note in made.of_kind("ignored"))
+    assert not any("there is none" in str(note) for note in sound(tmp_path, source(points=hole + BODY)).notes)
