@@ -76,8 +76,8 @@ Deform | 0 | dXX:e dXY:e dXZ:e dYX:e dYY:e dYZ:e dZX:e dZY:e dZZ:e
 Transform | 0 | angle:n tx:n ty:n ox:n oy:n
 RotateX RotateY RotateZ vel0X vel0Y vel0Z Lp0X Lp0Y Lp0Z ss0XX ss0YY ss0ZZ ss0XY ss0YZ ss0XZ GridBodyXForce
     GridBodyYForce GridBodyZForce | e
-Rect Box Cylinder Sphere Torus Shell | 0 | {_BOX} | {SHAPES}
-Oval | 0 | {_BOX} | arc {SHAPES}
+Box Cylinder Sphere Torus Shell | 0 | {_BOX} | {SHAPES}
+Rect Oval | 0 | {_BOX} | arc {SHAPES}
 arc | 0 | start:n end:n
 Polygon | 0 | np:i~ units:t | pt {SHAPES}
 Polyhedron | 0 | units:t | faces {SHAPES}
@@ -138,7 +138,7 @@ CONDUCTIVITIES = "kCondA kCondT kCondx kCondy kCondz kCondR kCondZ"
 _PROPERTIES = {
     "t": "Hardening Softening Initiation SofteningI SofteningII transition",
     "0": "color SetTemperature SetConcentration IdealRubber reversible irreversible",
-    "e": "SettingFunction SettingFunction2 SettingFunction3 ValueFunction StressFunction InitialPressure",
+    "e": "SettingFunction SettingFunction2 SettingFunction3 ValueFunction StressFunction InitialPressure function",
     "t?": "ArtificialVisc",
 }
 PROPERTIES = {name: kind for kind, names in _PROPERTIES.items() for name in names.split()}
@@ -156,7 +156,6 @@ _NOTES: dict[NoteKind, dict[str, str]] = {
         "LoadBCs": "loads on numbered particles",
         "Membrane": "membranes",
         "Periodic": "periodic boundaries",
-        "arc": "a sector of an oval",
         "logshearrate": "a viscosity that depends on the rate",
         "mass": "masses of single points",
     },
