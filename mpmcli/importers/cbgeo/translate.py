@@ -151,6 +151,8 @@ def _note_ignored(work: Work) -> None:
             work.note("ignored", keys, words)
     if work.given.has("analysis", "resume") and not work.given.source.analysis.resume.resume:
         work.note("ignored", ("analysis", "resume"), "switched off in the source")
+    if work.given.has("analysis", "interface") and not work.given.source.analysis.interface:
+        work.note("ignored", ("analysis", "interface"), "switched off in the source")
     if work.given.has("material_sets") and not work.given.source.mesh.update_materials:
         work.note(
             "ignored", ("material_sets",), "without mesh.update_materials CB-Geo does not use them, either"

@@ -251,6 +251,24 @@ def test_local_damping(tmp_path):
     assert translated(given, tmp_path).scene["method"]["damping"] == {"local": 0.05}
 
 
+def test_other_damping_and_contact_are_refused(tmp_path):
+    given = level_block()
+    given.main["analysis"] |= {"damping": {"type": "Viscous", "damping_factor": 1e3}, "interface": True}
+    problems = list(map(str, translate(given.write(tmp_path / "a"), partial=False).problems(partial=False)))
+    assert len(problems) == 2
+    assert "damping of type 'Viscous'" in problems[0]
+    assert "contact between materials" in problems[1]
+    given.main["analysis"] |= {"damping": {"type": "Cundall", "damping_factor": 1}, "interface": False}
+    made = translate(given.write(tmp_path / "b"), partial=False)
+    assert [str(problem) for problem in made.problems(partial=False) if "below 1 is needed" in str(problem)]
+    assert any("interface: switched off" in str(note) for note in made.of_kind("ignored"))
+
+
+def test_the_flow_of_mohr_coulomb_is_noted(tmp_path):
+    notes = translated(sources.mohr_coulomb_compression(), tmp_path).of_kind("changed")
+    assert any("CB-Geo's potential is smooth" in str(note) for note in notes)
+
+
 MATERIALS = {
     "Bingham2D": {"youngs_modulus": 1e6, "poisson_ratio": 0.4, "tau0": 100, "mu": 2, "critical_shear_rate": 0.1},
     "ModifiedCamClay2D": {
