@@ -19,9 +19,9 @@ _LOAD = f"dir:i! load:n stress:n {_VALUE}"
 _TABLE = f"""
 JANFEAInput | 0 | version:t~ | Header MPMHeader Mesh MaterialPoints CrackList Material GridBCs ParticleBCs
     Thermal Gravity CustomTasks Schedule Periodic
-Header | 0 | - | Description Analysis DevelFlag ConsistentUnits
+Header | 0 | - | Description Analysis DevelFlag ConsistentUnits Processors
 Description MPMArchiveOrder CrackArchiveOrder | t
-Analysis MPMMethod MatlPtsPerElement DefGradTerms ProgSteps LeaveLimit DeleteLimit | i
+Analysis MPMMethod MatlPtsPerElement DefGradTerms ProgSteps Processors LeaveLimit DeleteLimit | i
 DevelFlag | n | Number:i
 ConsistentUnits | 0 | length:t mass:t time:t
 MPMHeader | 0 | - | MPMMethod MatlPtsPerElement Timing TimeFactor TransTimeFactor MaxTime TimeStep
@@ -47,7 +47,7 @@ ExtrapolateRigid SkipPostExtrapolation TrackParticleSpin TrackGradV ExactTractio
     ContactHeating FrictionalHeating EnergyCoupling NoAVHeating ContactHeatFlow | 0
 RestartScaling | n | CFL:n
 GIMP | 0 | type:t
-MultiMaterialMode | 0 | Vmin:n Dcheck:n Normals:n RigidBias:n Polar:n Azimuth:n Lumping:i~ Contact:i~ |
+MultiMaterialMode | 0 | Vmin:n Dcheck:n Normals:n RigidBias:n Polar:n Azimuth:n Lumping:i Contact:i~ |
     Friction ContactPosition
 ArchiveRoot | t | unique:i
 MPMArchive | 0 | result:t! setting:t~
@@ -170,6 +170,7 @@ _NOTES: dict[NoteKind, dict[str, str]] = {
         "FirstArchiveTime": "archives begin at time 0",
         "NeedsMechanics": "mechanics is always solved",
         "NoAVHeating": "there is no artificial viscosity",
+        "Processors": "mpmcli run -j gives the number of threads",
         "ProgSteps": "progress is displayed always",
         "TransTimeFactor RestartScaling": "steps of conduction follow their own stability limit",
         "coefVariationMode": "nothing varies",

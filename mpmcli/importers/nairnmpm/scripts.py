@@ -96,9 +96,10 @@ class _Maker(Regions, Conditions):
         self.description += str(line.values[1]).splitlines()
 
     def _do_comment(self, line: Line) -> None:
-        """Comments are displayed only."""
+        self.description.append("Comment: " + ", ".join(map(text_of, line.values)))
 
-    _do_processors = _do_comment
+    def _do_processors(self, line: Line) -> None:
+        self._add(self.blocks["Header"], "Processors", self._need(line, 1)[0])
 
     def _do_analysis(self, line: Line) -> None:
         code = self._choice(self._need(line, 1)[0], tables.ANALYSES, "analysis")
@@ -184,6 +185,11 @@ class _Maker(Regions, Conditions):
     def _do_multimaterialmode(self, line: Line) -> None:
         values = line.values
         mode = self._set("MultiMaterialMode", Normals=2.0)
+        if values:
+            mode.attributes["Vmin"] = text_of(values[0])
+        if len(values) > 1:
+            checks = {"disabled": 0, "no": 0, "enabled": 1, "yes": 1}
+            mode.attributes["Dcheck"] = str(self._choice(values[1], checks, "check of displacements"))
         if len(values) > 2:
             mode.attributes["Normals"] = text_of(float(self._choice(values[2], tables.NORMALS, "normal")))
         if len(values) > 3:
@@ -244,7 +250,8 @@ class _Maker(Regions, Conditions):
         word = line.text.split(None, 1)[0].rstrip(",")
         name = tables.PROPERTIES.get(word.lower(), word)
         if word.lower() == "color":
-            return  # displayed only
+            self._add(self.material, "color")
+            return
         if word.lower() in tables.GROWTH and not (word.lower() == "direction" and self._is_rigid()):
             self._growth(word.lower(), self._need(line, 1)[0])
             return

@@ -1901,3 +1901,46 @@ def test_holes_after_all_bodies_are_noted(tmp_path):
     made = sound(tmp_path, source(points=BODY + hole))
     assert any("there is none" in str(note) for note in made.of_kind("ignored"))
     assert not any("there is none" in str(note) for note in sound(tmp_path, source(points=hole + BODY)).notes)
+
+
+MORE = "".join(
+    f'<Material Type="1" Name="S{i}"><rho>1</rho><E>100</E><nu>0.3</nu></Material>' for i in range(2)
+)
+THREE = "".join(
+    f'<Body mat="{i + 1}"><Rect xmin="{i}" xmax="{i + 1}" ymin="0" ymax="4"/></Body>' for i in range(3)
+)
+
+
+def test_nodes_of_three_materials(tmp_path):
+    pairs = {"setup": '<MultiMaterialMode Normals="2" Lumping="1"/>'}
+    three = {"points": THREE, "material": MATERIAL + MORE}
+    assert scene_of(tmp_path, **pairs, **three)["contact"]["three_or_more"] == "pairs"
+    lumped = scene_of(tmp_path, setup='<MultiMaterialMode Normals="2" Lumping="0"/>', **three)
+    assert "three_or_more" not in lumped["contact"]
+    two = {"points": THREE.replace('mat="3"', 'mat="2"'), "material": MATERIAL + MORE}
+    made = sound(tmp_path, source(**pairs, **two))
+    assert "three_or_more" not in made.scene["contact"]
+    assert any("Lumping: there are fewer" in str(note) for note in made.of_kind("ignored"))
+    assert_refused(tmp_path, "Lumping 2", setup='<MultiMaterialMode Normals="2" Lumping="2"/>', **three)
+
+
+def test_commands_of_scripts_are_not_lost(tmp_path):
+    words = 'Processors 4\nComment "Speed = ",3\nMultimaterialMode 0.8,disabled,avggrad'
+    made = script_of(tmp_path, words)
+    assert made.scene["contact"]["separation"] == {"kind": "none"}
+    assert any("Vmin 0.8" in str(note) for note in made.of_kind("changed"))
+    assert any("<Processors>: mpmcli run -j" in str(note) for note in made.of_kind("ignored"))
+    assert "Comment: Speed = , 3" in made.comments["title",]
+    colored = SCRIPT.replace("  rho 1.5", "  rho 1.5\n  color 1,0,0")
+    assert any("<color>" in str(note) for note in sound(tmp_path, colored).of_kind("ignored"))
+
+
+def test_cracks_in_axisymmetric_bodies_end_at_the_axis(tmp_path):
+    text = source(
+        analysis=13,
+        points='<Body mat="1"><Rect xmin="0" xmax="4" ymin="0" ymax="4"/></Body>',
+        more='<CrackList><pt x="2" y="2.1" tip="1"/><pt x="0.1" y="2.1" tip="-2"/></CrackList>',
+    )
+    made = sound(tmp_path, text)
+    assert made.scene["cracks"][0]["path"]["points"] == [[2, 2.1], [0, 2.1]]
+    assert any("to the axis" in str(note) for note in made.of_kind("changed"))
