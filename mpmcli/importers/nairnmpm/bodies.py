@@ -92,8 +92,8 @@ class Bodies:
         if material is None or not found:
             if not regions:
                 job.note("ignored", command, "a body without a shape")
-                command.skip()
             self._rest(command)
+            command.skip()
             return
         whole = found[0] if len(found) == 1 else {"kind": "union", "regions": found}
         body: dict[str, Any] = {"region": whole}
@@ -246,6 +246,7 @@ class Bodies:
             if (origin.get("flipped") or "").lower() in {"yes", "1"}:
                 base["flip"] = "vertical"
         if not self._copy(command, name):
+            command.skip()
             return
         self._size(command, base)
         words = "a particle has the level at its centre; in NairnMPM that of most of the pixels under it"

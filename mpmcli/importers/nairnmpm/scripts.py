@@ -44,14 +44,14 @@ class _Maker(Regions, Conditions):
         if self.material is not None and line.name != "done":
             self._property(line)
             return
+        if line.level and line.name not in tables.CUT:
+            raise ScriptError(f"'Cut' needs a shape, not '{line.name[:40]}'")
         handler = self.handlers.get(line.name)
         if handler is None:
             self.refuse(line.number, f"not supported: the script command '{line.text.split(' ')[0][:40]}'")
         if len(line.values) > tables.MOST.get(line.name, len(line.values)):
             given = text_of(line.values[tables.MOST[line.name]])
             raise ScriptError(f"not supported: the value '{given[:40]}' of '{line.text.split(' ')[0]}'")
-        if line.level and line.name not in tables.CUT:
-            raise ScriptError(f"not supported: 'Cut' of '{line.name[:40]}'")
         handler(line)
 
     def finish(self) -> None:

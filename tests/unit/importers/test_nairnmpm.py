@@ -1758,7 +1758,7 @@ def test_cuts_of_scripts_are_nested(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "words", ["Cut Rect 1,2,1,2", "Rect 0,4,0,4\n  Cut Cut Rect 1,2,1,2", "Cut Rotate z,3"]
+    "words", ["Cut", "Cut Rect 1,2,1,2", "Rect 0,4,0,4\n  Cut Cut Rect 1,2,1,2", "Cut Rotate z,3"]
 )
 def test_cuts_need_a_shape(tmp_path, words):
     text = SCRIPT.replace("  Rect 1,1+2,1,3", f"  {words}")
@@ -1944,3 +1944,16 @@ def test_cracks_in_axisymmetric_bodies_end_at_the_axis(tmp_path):
     made = sound(tmp_path, text)
     assert made.scene["cracks"][0]["path"]["points"] == [[2, 2.1], [0, 2.1]]
     assert any("to the axis" in str(note) for note in made.of_kind("changed"))
+
+
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [
+        ('<Body mat="1" vx="3" thick="1"><Line xmin="0" xmax="1" ymin="0" ymax="1"/></Body>', "shape"),
+        ('<Body mat="7" vx="3"><Rect xmin="0" xmax="1" ymin="0" ymax="1"/></Body>', "no material 7"),
+        ('<BMP name="none.png" width="3"><Intensity mat="1" imin="0" imax="9"/></BMP>', "cannot be read"),
+    ],
+)
+def test_one_fault_of_a_body_is_one_problem(tmp_path, points, words):
+    made = translated(tmp_path, source(points=BODY + points))
+    assert [words in str(problem) for problem in made.problems(partial=False)] == [True]
