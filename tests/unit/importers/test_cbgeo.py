@@ -410,6 +410,19 @@ def test_an_absorbing_side(tmp_path):
     assert springs["coordinates"] == "current"
 
 
+def test_absorbing_nodes_of_several_sides(tmp_path):
+    given = sources.absorbing_column(10)
+    conditions = given.main["mesh"]["boundary_conditions"]
+    both = {"nset_id": 0, "dir": 0, "delta": 0.1, "a": 1.0, "b": 1.0}
+    conditions["absorbing_constraints"] = [both]
+    loads = translated(given, tmp_path / "both").scene["loads"]
+    sides = [load["on"]["face"]["side"] for load in loads if load["kind"] == "absorbing"]
+    assert sides == ["lower", "upper"]
+    conditions["absorbing_constraints"] = [both | {"dir": 1}]
+    made = translate(given.write(tmp_path / "across"), partial=False)
+    assert "no whole side of the mesh" in str(made.problems(partial=False)[0])
+
+
 def test_functions_that_nothing_depends_on_or_with_the_same_number(tmp_path):
     given = uniaxial_traction()
     [function] = given.main["math_functions"]
