@@ -280,6 +280,11 @@ def heat(job: Job, root: Command) -> None:
         job.scene["method"]["heating"] = "adiabatic" if adiabatic else "isothermal"
 
 
+def _shifts(job: Job) -> bool:
+    """Whether a material reads the temperature though it does not change."""
+    return any(m.kind == 22 or m.command.first("Tref") is not None for m in job.materials)
+
+
 def temperatures_matter(job: Job, root: Command, header: Command) -> bool:
     """Whether temperatures change, or are other than that without stress."""
     at_rest = job.property(header, "StressFreeTemp")
@@ -296,4 +301,6 @@ def temperatures_matter(job: Job, root: Command, header: Command) -> bool:
         job.note("not_supported", header.last("StressFreeTemp") or header, words)
     elif matter:
         job.scene["_reference"] = at_rest
+    elif at_rest is not None and not _shifts(job):
+        job.ignored(header, "no temperature changes in this file", "StressFreeTemp")
     return matter

@@ -141,6 +141,8 @@ class Bodies:
                 value = job.formula(inside, inside.text, "velocity")
             if axis < len(job.axes):
                 parts.append(value if value is not None else 0)
+            elif value is not None and not (isinstance(value, Value) and value.number == 0):
+                job.note("ignored", command, f"a velocity along {letter}: there is no such axis")
         parts = [0 if isinstance(part, Value) and part.number == 0 else part for part in parts]
         return parts if any(part != 0 for part in parts) else None
 

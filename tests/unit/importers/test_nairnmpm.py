@@ -1957,3 +1957,18 @@ def test_cracks_in_axisymmetric_bodies_end_at_the_axis(tmp_path):
 def test_one_fault_of_a_body_is_one_problem(tmp_path, points, words):
     made = translated(tmp_path, source(points=BODY + points))
     assert [words in str(problem) for problem in made.problems(partial=False)] == [True]
+
+
+@pytest.mark.parametrize(
+    ("parts", "words"),
+    [
+        ({"setup": "<StressFreeTemp>300</StressFreeTemp>"}, "<StressFreeTemp>: no temperature changes"),
+        ({"more": "<Gravity><BodyZForce>3</BodyZForce></Gravity>"}, "<BodyZForce>: there is no axis z"),
+        ({"more": "<Gravity><GridBodyZForce>x</GridBodyZForce></Gravity>"}, "no axis z"),
+        ({"points": BODY.replace('mat="1"', 'mat="1" vz="3"')}, "a velocity along z"),
+        ({"material": MATERIAL.replace("<E>", "<G>3</G><K>4</K><E>")}, "G: E and nu are given"),
+    ],
+)
+def test_what_has_no_effect_is_listed(tmp_path, parts, words):
+    made = sound(tmp_path, source(**parts))
+    assert any(words in str(note) for note in made.of_kind("ignored"))
