@@ -118,6 +118,10 @@ def _note_particles(work: Work) -> None:
         keys = ("particles", index, "generator")
         if PHASES.search(entry.generator.particle_type):
             work.lacks((*keys, "particle_type"), words)
+        io_type = getattr(entry.generator, "io_type", None)
+        if io_type not in {None, f"Ascii{work.grid.d}D"}:
+            words = f"'{io_type}' does not fit the {work.grid.d}D cells '{work.given.source.mesh.cell_type}'"
+            work.fault((*keys, "io_type"), words)
         if work.given.has(*keys, "check_duplicates"):
             work.note("ignored", (*keys, "check_duplicates"), IGNORED["mesh", "check_duplicates"])
         if isinstance(entry.generator.material_id, tuple) and len(entry.generator.material_id) > 1:

@@ -446,3 +446,11 @@ def test_signs_of_normals_are_one(tmp_path):
     table.write_text(table.read_text().replace("-1\t", "-2\t", 1))
     problems = translate(path, partial=False).problems(partial=False)
     assert ["the sign of the normal is -1 or 1, not -2" in str(problem) for problem in problems] == [True]
+
+
+def test_particles_of_other_dimensions_are_a_fault(tmp_path):
+    given = level_block()
+    given.main["particles"][0]["generator"] |= {"type": "file", "location": "p.txt", "io_type": "Ascii3D"}
+    given.files["p.txt"] = "1\n0.5 0.5\n"
+    problems = translate(given.write(tmp_path), partial=False).problems(partial=False)
+    assert any("'Ascii3D' does not fit the 2D cells" in str(problem) for problem in problems)
