@@ -120,6 +120,8 @@ def _mohr_coulomb(work: Work, given: MohrCoulomb, keys: Keys) -> dict[str, Any] 
     apex = given.cohesion / math.tan(math.radians(given.friction)) if given.friction else math.inf
     if given.tension_cutoff < apex:
         made["tension"] = given.tension_cutoff
+    words = "plastic flow is normal to planes with the angle of dilation; CB-Geo's potential is smooth"
+    work.note("changed", (*keys, "type"), f"{words} (Menétrey-Willam)")
     if given.softening is False:
         work.note("ignored", (*keys, "softening"), "switched off; the residual values have no effect")
     softens = given.softening is not False and given.peak_pdstrain is not None

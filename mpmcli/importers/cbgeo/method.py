@@ -43,6 +43,9 @@ def add_method(work: Work) -> None:
         method["volumetric"] = "averaged"
         words = "volume changes and pressures are averaged with mpmcli's own method"
         work.note("changed", ("analysis", "pressure_smoothing"), words)
+    if given.interface:
+        words = "contact between materials; the section 'contact' with 'fields: material' is that"
+        work.lacks(("analysis", "interface"), words)
     _add_damping(work, method)
     work.scene["method"] = method
     if given.resume.resume:
@@ -70,6 +73,10 @@ def _add_damping(work: Work, method: dict[str, Any]) -> None:
         return
     if damping.type != "Cundall":
         work.lacks(("analysis", "damping", "type"), f"damping of type '{damping.type}'; Cundall is")
+    elif damping.damping_factor >= 1:
+        work.fault(
+            ("analysis", "damping"), f"a damping factor of {damping.damping_factor:g}; below 1 is needed"
+        )
     else:
         words = "acts against the velocity vector; in CB-Geo against each of its components"
         work.note("changed", ("analysis", "damping"), words)

@@ -79,17 +79,27 @@ def add_absorbing(work: Work, bodies: list[Made]) -> None:
 
 
 def _absorb(work: Work, bodies: list[Made], keys: Keys, nodes: Array, axis: int, layer: Layer) -> None:
-    grid = work.grid
-    sides = [spot.side for spot in spots(grid.nodes[nodes], grid) or [] if spot.side is not None]
-    for side in (side for side in sides if side[0] == axis):
-        at = float((grid.upper if side[1] else grid.lower)[axis])
-        for body in bodies:
-            boxes = body.filled.boxes if body.filled is not None else []
-            if len(boxes) == 1 and abs(boxes[0][side[1]][axis] - at) < 1e-6 * grid.cell[axis]:
-                _add_layer(work, body, keys, side, at, layer)
-                return
-    words = "absorbing nodes that are no whole side of the mesh on which a box of material lies"
-    work.lacks(keys, words)
+    """Add dashpots to all boxes of material on the sides of the mesh that the nodes are."""
+    found = spots(work.grid.nodes[nodes], work.grid) or []
+    complete = bool(found)
+    for spot in found:
+        if spot.side is None or spot.side[0] != axis:
+            complete = False
+            continue
+        at = float((work.grid.upper if spot.side[1] else work.grid.lower)[axis])
+        touching = [body for body in bodies if _reaches(body, spot.side, at, 1e-6 * work.grid.cell[axis])]
+        complete &= bool(touching)
+        for body in touching:
+            _add_layer(work, body, keys, spot.side, at, layer)
+    if not complete:
+        words = "absorbing nodes that are no whole side of the mesh on which a box of material lies"
+        work.lacks(keys, words)
+
+
+def _reaches(body: Made, side: tuple[int, int], at: float, near: float) -> bool:
+    """Whether a body fills one box that ends at a coordinate on this side."""
+    boxes = body.filled.boxes if body.filled is not None else []
+    return len(boxes) == 1 and bool(abs(boxes[0][side[1]][side[0]] - at) < near)
 
 
 def _add_layer(work: Work, body: Made, keys: Keys, side: tuple[int, int], at: float, layer: Layer) -> None:

@@ -330,9 +330,7 @@ class DampingOf(Part):
     """Local damping."""
 
     type: str
-    damping_factor: Annotated[float, Field(ge=0, lt=1)] = Field(
-        validation_alias=AliasChoices("damping_factor", "damping_ratio")
-    )
+    damping_factor: NotNegative = Field(validation_alias=AliasChoices("damping_factor", "damping_ratio"))
 
 
 class Analysis(Part):
@@ -348,6 +346,7 @@ class Analysis(Part):
     velocity_update: bool | str = False
     locate_particles: bool = True
     pressure_smoothing: bool = False
+    interface: bool = False
     damping: DampingOf | None = None
     nload_balance_steps: Index | None = None
     resume: Resume = Resume()

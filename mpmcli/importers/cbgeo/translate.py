@@ -93,7 +93,7 @@ def _run(work: Work) -> None:
     add_conditions(work)
     add_loads(work, bodies)
     _check_functions(work)
-    _note_phases(work)
+    _note_particles(work)
     _note_ignored(work)
 
 
@@ -109,8 +109,8 @@ def _check_functions(work: Work) -> None:
         seen.add(function.id)
 
 
-def _note_phases(work: Work) -> None:
-    """Nodes and particles of two phases."""
+def _note_particles(work: Work) -> None:
+    """Nodes and particles of two phases, and what has no effect on particles."""
     words = "two phases"
     if PHASES.search(work.given.source.mesh.node_type):
         work.lacks(("mesh", "node_type"), words)
@@ -118,6 +118,12 @@ def _note_phases(work: Work) -> None:
         keys = ("particles", index, "generator")
         if PHASES.search(entry.generator.particle_type):
             work.lacks((*keys, "particle_type"), words)
+        io_type = getattr(entry.generator, "io_type", None)
+        if io_type not in {None, f"Ascii{work.grid.d}D"}:
+            words = f"'{io_type}' does not fit the {work.grid.d}D cells '{work.given.source.mesh.cell_type}'"
+            work.fault((*keys, "io_type"), words)
+        if work.given.has(*keys, "check_duplicates"):
+            work.note("ignored", (*keys, "check_duplicates"), IGNORED["mesh", "check_duplicates"])
         if isinstance(entry.generator.material_id, tuple) and len(entry.generator.material_id) > 1:
             work.lacks((*keys, "material_id"), "particles of several materials")
 
@@ -151,6 +157,8 @@ def _note_ignored(work: Work) -> None:
             work.note("ignored", keys, words)
     if work.given.has("analysis", "resume") and not work.given.source.analysis.resume.resume:
         work.note("ignored", ("analysis", "resume"), "switched off in the source")
+    if work.given.has("analysis", "interface") and not work.given.source.analysis.interface:
+        work.note("ignored", ("analysis", "interface"), "switched off in the source")
     if work.given.has("material_sets") and not work.given.source.mesh.update_materials:
         work.note(
             "ignored", ("material_sets",), "without mesh.update_materials CB-Geo does not use them, either"

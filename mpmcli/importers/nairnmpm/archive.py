@@ -136,6 +136,10 @@ def column_of(job: Job, command: Command, names: list[tuple[str, str]]) -> str |
     if low.startswith("contact") and low[7:] in job.axes and low[7:] and rigid and "contact" in job.scene:
         return f"contact_force_{low[7:]}[{rigid[0]}]"
     if low in _GLOBALS:
+        why = _missing(job, _GLOBALS[low])
+        if why:
+            job.note("ignored", command, f"{_GLOBALS[low]}: {why}")
+            return None
         if of is not None:
             job.note("changed", command, f"{_GLOBALS[low]} is that of all bodies")
         return _GLOBALS[low]
@@ -152,14 +156,27 @@ def column_of(job: Job, command: Command, names: list[tuple[str, str]]) -> str |
         rest = low.removeprefix(word)
         if rest == low and word != low:
             continue
-        if word in {"s", "e"} and rest in _TENSOR and bodies:
+        exists = rest == "zz" or set(rest) <= set(job.axes)
+        if word in {"s", "e"} and rest in _TENSOR and exists and bodies:
             return f"{column}{rest}[{key}]"
-        if word in {"vel", "disp"} and rest in {"x", "y", "z"} and len(bodies) == 1:
+        if word in {"vel", "disp"} and rest in {"x", "y", "z"} and exists and len(bodies) == 1:
             return f"{column}{rest}[{bodies[0]}]"
         if word == "temp" and rest in {"", "erature"} and job.heats:
             return f"temperature[{key}]"
     job.note("ignored", command, f"the quantity '{kind}' is not archived")
     return None
+
+
+def _missing(job: Job, column: str) -> str:
+    """Why the scene lacks a column; empty if it has it."""
+    faces = (job.scene.get("contact"), job.scene.get("cracks"))
+    if column in {"heat_inflow", "thermal_energy"} and "heat" not in job.scene:
+        return "nothing conducts heat in this file"
+    if column == "contact_work" and not any(faces):
+        return "nothing is in contact"
+    if column == "interface_energy" and "_interface'" not in str(faces):
+        return "there is no interface with stiffnesses"
+    return ""
 
 
 def _reaction(job: Job, command: Command, axis: str) -> str | None:
@@ -263,6 +280,11 @@ def heat(job: Job, root: Command) -> None:
         job.scene["method"]["heating"] = "adiabatic" if adiabatic else "isothermal"
 
 
+def _shifts(job: Job) -> bool:
+    """Whether a material reads the temperature though it does not change."""
+    return any(m.kind == 22 or m.command.first("Tref") is not None for m in job.materials)
+
+
 def temperatures_matter(job: Job, root: Command, header: Command) -> bool:
     """Whether temperatures change, or are other than that without stress."""
     at_rest = job.property(header, "StressFreeTemp")
@@ -279,4 +301,6 @@ def temperatures_matter(job: Job, root: Command, header: Command) -> bool:
         job.note("not_supported", header.last("StressFreeTemp") or header, words)
     elif matter:
         job.scene["_reference"] = at_rest
+    elif at_rest is not None and not _shifts(job):
+        job.ignored(header, "no temperature changes in this file", "StressFreeTemp")
     return matter

@@ -32,16 +32,22 @@ class Bodies:
 
     def read(self, block: Command) -> None:
         """Make all bodies of the block."""
+        idle: list[Command] = []  # holes without a body after them
         for command in block.all("Body", "Hole", "BMP", "PointList"):
             if command.name == "Body":
                 self._body(command)
             elif command.name == "Hole":
                 holes = [region(self.job, shape) for shape in command.all(*NAMES)]
                 self.holes += [hole for hole in holes if hole is not None]
+                idle.append(command)
+                continue
             elif command.name == "BMP":
                 self._picture(command)
             else:
                 self._points(command)
+            idle.clear()
+        for command in idle:
+            self.job.note("ignored", command, "a hole is one of the bodies after it, and there is none")
         self._name()
 
     def _material(self, command: Command) -> Material | None:
@@ -86,8 +92,8 @@ class Bodies:
         if material is None or not found:
             if not regions:
                 job.note("ignored", command, "a body without a shape")
-                command.skip()
             self._rest(command)
+            command.skip()
             return
         whole = found[0] if len(found) == 1 else {"kind": "union", "regions": found}
         body: dict[str, Any] = {"region": whole}
@@ -112,7 +118,7 @@ class Bodies:
         elif stress:
             job.note("ignored", command, "rigid bodies have no stress")
         self._rest(command)
-        self._add(body, material)
+        self._add(body, material, command)
 
     def _turn(self, command: Command, body: dict[str, Any]) -> None:
         """Turn a body about a point, then move it; its particles lie along its sides."""
@@ -135,6 +141,8 @@ class Bodies:
                 value = job.formula(inside, inside.text, "velocity")
             if axis < len(job.axes):
                 parts.append(value if value is not None else 0)
+            elif value is not None and not (isinstance(value, Value) and value.number == 0):
+                job.note("ignored", command, f"a velocity along {letter}: there is no such axis")
         parts = [0 if isinstance(part, Value) and part.number == 0 else part for part in parts]
         return parts if any(part != 0 for part in parts) else None
 
@@ -177,7 +185,9 @@ class Bodies:
                     found[axes.lower()] = value
         return {"kind": "components", **found} if found else {}
 
-    def _add(self, body: dict[str, Any], material: Material) -> None:
+    def _add(self, body: dict[str, Any], material: Material, command: Command) -> None:
+        if not self._keep_in_grid(body, command):
+            return
         material.used = True
         per_axis = self.job.scene.get("_particles_per_axis")
         if per_axis not in {None, 2}:
@@ -193,6 +203,31 @@ class Bodies:
         self.made.append(body)
         self.materials.append(material)
         self.boxes.append(box)
+
+    def _keep_in_grid(self, body: dict[str, Any], command: Command) -> bool:
+        """Leave out what lies beyond the grid, where NairnMPM makes no particles; False if nothing is left."""
+        job = self.job
+        made, box = body["region"], limits(body["region"], len(job.axes))
+        if box is None or "particles_along" in body:
+            return True
+        sides = list(zip(*box, job.lower, job.upper, strict=True))
+        if all(low >= a - job.tolerance and high <= b + job.tolerance for low, high, a, b in sides):
+            return True
+        if any(low >= b or high <= a for low, high, a, b in sides):
+            job.note("ignored", command, "the body lies beyond the grid")
+            return False
+        job.changed(command, "what lies beyond the grid is left out, as in NairnMPM")
+        if made["kind"] == "box":
+            made["lower"] = [
+                Value(a) if low < a else v for v, (low, _, a, _) in zip(made["lower"], sides, strict=True)
+            ]
+            made["upper"] = [
+                Value(b) if high > b else v for v, (_, high, _, b) in zip(made["upper"], sides, strict=True)
+            ]
+            return True
+        grid = {"kind": "box", "lower": list(map(Value, job.lower)), "upper": list(map(Value, job.upper))}
+        body["region"] = {"kind": "intersection", "regions": [made, grid]}
+        return True
 
     # --------------------------------------------------------------- pictures
 
@@ -213,6 +248,7 @@ class Bodies:
             if (origin.get("flipped") or "").lower() in {"yes", "1"}:
                 base["flip"] = "vertical"
         if not self._copy(command, name):
+            command.skip()
             return
         self._size(command, base)
         words = "a particle has the level at its centre; in NairnMPM that of most of the pixels under it"
@@ -233,7 +269,7 @@ class Bodies:
                 body["axes"] = turns
             if material is not None and None not in values:
                 self._thickness(command, material)
-                self._add(body, material)
+                self._add(body, material, level)
 
     def _size(self, command: Command, base: dict[str, Any]) -> None:
         job = self.job
@@ -320,7 +356,7 @@ class Bodies:
                 body["velocity"] = list(speed_of)
             if turned:
                 body["axes"] = -turned
-            self._add(body, job.materials[index])
+            self._add(body, job.materials[index], command)
 
     # ------------------------------------------------------------------ names
 

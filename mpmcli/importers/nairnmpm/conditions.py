@@ -304,10 +304,14 @@ def gravity(job: Job, block: Command) -> list[Made]:
             value = job.number(inside, None, "acceleration")
             if value is not None and axis < len(job.axes):
                 parts[axis] = value if value.number else 0
+            elif value is not None and value.number:
+                job.ignored(inside, f"there is no axis {letter.lower()}")
         for inside in block.all(f"GridBody{letter}Force"):
             formula = job.formula(inside, inside.text, "acceleration")
             if formula is not None and axis < len(job.axes):
                 fields[axis] = formula
+            elif formula is not None:
+                job.ignored(inside, f"there is no axis {letter.lower()}")
     if any(part != 0 for part in parts):
         made.append({"name": "weight", "kind": "gravity", "acceleration": parts})
     if any(part != 0 for part in fields):

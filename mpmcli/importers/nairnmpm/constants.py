@@ -18,6 +18,8 @@ def elastic_constants(job: Job, material: Material, bulk: str = "K", shear: str 
     made: Made
     if E is not None and nu is not None:
         made = {"E": E, "nu": nu}
+        for name in (name for name, value in ((bulk, K), (shear, G)) if value is not None):
+            job.note("ignored", command, f"{name}: E and nu are given")
     elif K is not None and G is not None:
         made = {"K": K, "G": G}
     elif G is not None and (E is not None or nu is not None):

@@ -108,13 +108,25 @@ def contact(job: Job, header: Command, bodies: Bodies) -> None:
         job.changed(mode, f"Vmin {vmin:g}: {words}")
     fields = [m for m in job.materials if m.used and (not m.is_rigid or m.direction == 8)]
     pairs = _pairs(job, fields)
+    three_or_more = _three_or_more(job, mode, fields)
     if len(fields) < 2:
         job.changed(mode, "one material only: no contact")
         return
     made |= {"normal": normal, "separation": separation, "law": found or {"kind": "frictionless"}}
     if pairs:
         made["pairs"] = pairs
-    job.scene["contact"] = made
+    job.scene["contact"] = made | three_or_more
+
+
+def _three_or_more(job: Job, mode: Command, fields: list[Material]) -> dict[str, Any]:
+    """How nodes of three or more materials are handled: lumped unless the pairs are explicit."""
+    code = round(job.plain(mode, "Lumping"))
+    if code not in {0, 1}:
+        job.note("not_supported", mode, f"Lumping {code}; 0 and 1 are lumped and pairs")
+    if code == 1 and sum(not material.is_rigid for material in fields) < 3:
+        job.note("ignored", mode, "attribute Lumping: there are fewer than three materials that deform")
+        return {}
+    return {"three_or_more": "pairs"} if code == 1 else {}
 
 
 def _normal(job: Job, mode: Command) -> dict[str, Any]:

@@ -245,7 +245,10 @@ def _reach_surface(
             ]
             gap = min(gaps)
             if 0 <= gap < cell:
-                reach = gap + 0.25 * cell
+                reach, side = gap + 0.25 * cell, "past the surface"
+                if job.analysis == "axisymmetric" and x + reach * dx / length < 0:
+                    reach, side = -x * length / dx, "to the axis"
                 tip[:] = [Value(x + reach * dx / length), Value(y + reach * dy / length)]
-                words = f"is moved by {reach:g}, past the surface, as a mouth must be"
-                job.changed(command, f"the {end} of the crack {words}")
+                job.changed(
+                    command, f"the {end} of the crack is moved by {reach:g}, {side}, as a mouth must be"
+                )

@@ -19,9 +19,9 @@ _LOAD = f"dir:i! load:n stress:n {_VALUE}"
 _TABLE = f"""
 JANFEAInput | 0 | version:t~ | Header MPMHeader Mesh MaterialPoints CrackList Material GridBCs ParticleBCs
     Thermal Gravity CustomTasks Schedule Periodic
-Header | 0 | - | Description Analysis DevelFlag ConsistentUnits
+Header | 0 | - | Description Analysis DevelFlag ConsistentUnits Processors
 Description MPMArchiveOrder CrackArchiveOrder | t
-Analysis MPMMethod MatlPtsPerElement DefGradTerms ProgSteps LeaveLimit DeleteLimit | i
+Analysis MPMMethod MatlPtsPerElement DefGradTerms ProgSteps Processors LeaveLimit DeleteLimit | i
 DevelFlag | n | Number:i
 ConsistentUnits | 0 | length:t mass:t time:t
 MPMHeader | 0 | - | MPMMethod MatlPtsPerElement Timing TimeFactor TransTimeFactor MaxTime TimeStep
@@ -47,7 +47,7 @@ ExtrapolateRigid SkipPostExtrapolation TrackParticleSpin TrackGradV ExactTractio
     ContactHeating FrictionalHeating EnergyCoupling NoAVHeating ContactHeatFlow | 0
 RestartScaling | n | CFL:n
 GIMP | 0 | type:t
-MultiMaterialMode | 0 | Vmin:n Dcheck:n Normals:n RigidBias:n Polar:n Azimuth:n Lumping:i~ Contact:i~ |
+MultiMaterialMode | 0 | Vmin:n Dcheck:n Normals:n RigidBias:n Polar:n Azimuth:n Lumping:i Contact:i~ |
     Friction ContactPosition
 ArchiveRoot | t | unique:i
 MPMArchive | 0 | result:t! setting:t~
@@ -76,8 +76,8 @@ Deform | 0 | dXX:e dXY:e dXZ:e dYX:e dYY:e dYZ:e dZX:e dZY:e dZZ:e
 Transform | 0 | angle:n tx:n ty:n ox:n oy:n
 RotateX RotateY RotateZ vel0X vel0Y vel0Z Lp0X Lp0Y Lp0Z ss0XX ss0YY ss0ZZ ss0XY ss0YZ ss0XZ GridBodyXForce
     GridBodyYForce GridBodyZForce | e
-Rect Box Cylinder Sphere Torus Shell | 0 | {_BOX} | {SHAPES}
-Oval | 0 | {_BOX} | arc {SHAPES}
+Box Cylinder Sphere Torus Shell | 0 | {_BOX} | {SHAPES}
+Rect Oval | 0 | {_BOX} | arc {SHAPES}
 arc | 0 | start:n end:n
 Polygon | 0 | np:i~ units:t | pt {SHAPES}
 Polyhedron | 0 | units:t | faces {SHAPES}
@@ -138,7 +138,7 @@ CONDUCTIVITIES = "kCondA kCondT kCondx kCondy kCondz kCondR kCondZ"
 _PROPERTIES = {
     "t": "Hardening Softening Initiation SofteningI SofteningII transition",
     "0": "color SetTemperature SetConcentration IdealRubber reversible irreversible",
-    "e": "SettingFunction SettingFunction2 SettingFunction3 ValueFunction StressFunction InitialPressure",
+    "e": "SettingFunction SettingFunction2 SettingFunction3 ValueFunction StressFunction InitialPressure function",
     "t?": "ArtificialVisc",
 }
 PROPERTIES = {name: kind for kind, names in _PROPERTIES.items() for name in names.split()}
@@ -156,7 +156,6 @@ _NOTES: dict[NoteKind, dict[str, str]] = {
         "LoadBCs": "loads on numbered particles",
         "Membrane": "membranes",
         "Periodic": "periodic boundaries",
-        "arc": "a sector of an oval",
         "logshearrate": "a viscosity that depends on the rate",
         "mass": "masses of single points",
     },
@@ -171,6 +170,7 @@ _NOTES: dict[NoteKind, dict[str, str]] = {
         "FirstArchiveTime": "archives begin at time 0",
         "NeedsMechanics": "mechanics is always solved",
         "NoAVHeating": "there is no artificial viscosity",
+        "Processors": "mpmcli run -j gives the number of threads",
         "ProgSteps": "progress is displayed always",
         "TransTimeFactor RestartScaling": "steps of conduction follow their own stability limit",
         "coefVariationMode": "nothing varies",

@@ -17,12 +17,13 @@ MAX_CALLS = 50
 
 @dataclass(frozen=True)
 class Line:
-    """A command of a script, in lower case, with the values of its arguments."""
+    """A command of a script, in lower case, with the values of its arguments; ``level`` counts ``Cut`` before it."""
 
     name: str
     values: tuple[Scalar, ...]
     number: int
     text: str
+    level: int = 0
 
 
 @dataclass
@@ -59,7 +60,7 @@ def without_comment(line: str) -> str:
 
 
 def _word(line: str) -> str:
-    return (re.match(r"\w*", line.strip()) or [""])[0].lower()
+    return (re.match(r"(?:\w+(?:-\w+)*)?", line.strip()) or [""])[0].lower()
 
 
 class _Script:
@@ -102,8 +103,12 @@ class _Script:
             elif not idle and line and not self._jump(word, rest):
                 if line.startswith("#"):
                     self._assign(line)
-                else:
-                    yield Line(word, tuple(self._arguments(rest)), number, raw.strip())
+                    continue
+                level = 0
+                while word == "cut":
+                    level, word = level + 1, _word(rest)
+                    rest = rest[len(word) :].strip()
+                yield Line(word, tuple(self._arguments(rest)), number, raw.strip(), level)
         if self.open:
             raise ScriptError(f"'end{self.open[-1].word}' is missing")
 

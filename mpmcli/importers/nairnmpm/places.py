@@ -7,7 +7,7 @@ from typing import Any
 
 from mpmcli.importers.nairnmpm.commands import Command
 from mpmcli.importers.nairnmpm.job import Job
-from mpmcli.importers.nairnmpm.shapes import NAMES, corners, region
+from mpmcli.importers.nairnmpm.shapes import NAMES, corners, half_width, region, ring
 from mpmcli.importers.nairnmpm.values import Value
 
 SIDES = {(0, False): "left", (0, True): "right", (1, False): "bottom", (1, True): "top", (2, False): "back"}
@@ -104,20 +104,8 @@ def where(job: Job, shape: Command, number: int) -> Where | None:
             ends = [[v.scaled for v in made[0][end]] for end in ("lower", "upper")]
             return Where(f"box_{number}", ends[0], ends[1])
         return Where(f"shape_{number}", [], [], made[0])
-    return _arc(job, shape, f"arc_{number}")
-
-
-def _tolerance(job: Job, shape: Command) -> float:
-    """Half the width of a line: in cells with a star; a hundredth of a cell by default."""
-    text = job.source.plain(shape.get("tolerance") or "").strip()
-    if not text:
-        return 0.01 * min(job.cell)
-    try:
-        cells = float(text[1:]) if text.startswith("*") else None
-    except ValueError:
-        return 0.01 * min(job.cell)
-    width = job.number(shape, "tolerance") if cells is None else Value(cells * min(job.cell))
-    return 0.01 * min(job.cell) if width is None else width.scaled
+    arc = ring(job, shape)
+    return None if arc is None else Where(f"arc_{number}", [], [], arc)
 
 
 def _ends(job: Job, shape: Command, names: Iterable[str]) -> list[list[float]] | None:
@@ -136,7 +124,7 @@ def _line(job: Job, shape: Command, name: str) -> Where | None:
     ends = _ends(job, shape, ("min", "max") if "xmin" in shape.attributes else "12")
     if ends is None:
         return None
-    width = _tolerance(job, shape)
+    width = half_width(job, shape)
     (x1, y1), (x2, y2) = ends
     length = math.hypot(x2 - x1, y2 - y1)
     if length == 0:
@@ -149,20 +137,3 @@ def _line(job: Job, shape: Command, name: str) -> Where | None:
     nx, ny = -(y2 - y1) / length * width, (x2 - x1) / length * width
     points = [[x1 + nx, y1 + ny], [x2 + nx, y2 + ny], [x2 - nx, y2 - ny], [x1 - nx, y1 - ny]]
     return Where(name, [], [], {"kind": "polygon", "points": points})
-
-
-def _arc(job: Job, shape: Command, name: str) -> Where | None:
-    """A ring as wide as the tolerance on both sides; arcs that are no full circle are not translated."""
-    ends = _ends(job, shape, "12")
-    if ends is None:
-        job.error(shape, "x1, x2, y1 and y2 are needed")
-        return None
-    width = _tolerance(job, shape)
-    turn = job.plain(shape, "end", 360.0) - job.plain(shape, "start", 0.0)
-    half = [abs(b - a) / 2 for a, b in zip(*ends, strict=True)]
-    if turn < 360 or abs(half[0] - half[1]) > 1e-9 * max(half) or half[0] <= width:
-        job.note("not_supported", shape, "arcs other than full circles")
-        return None
-    center = [(a + b) / 2 for a, b in zip(*ends, strict=True)]
-    made = {"kind": "disk", "center": center, "radius": half[0] + width, "inner_radius": half[0] - width}
-    return Where(name, [], [], made)

@@ -4,35 +4,48 @@ from pathlib import Path
 from typing import NoReturn
 
 from mpmcli.core.errors import Problem, SceneError
-from mpmcli.importers.nairnmpm.commands import Command
+from mpmcli.importers.nairnmpm.commands import Command, Entity
+from mpmcli.importers.nairnmpm.grammar import SHAPES
 from mpmcli.importers.nairnmpm.language import Line
 from mpmcli.importers.nairnmpm.script_values import Scalar, ScriptError, text_of
 
 ANALYSES = {"plane strain mpm": 10, "plane stress mpm": 11, "3d mpm": 12, "axisymmetric mpm": 13}
 METHODS = {"usf": 0, "usavg": 2, "usl": 3, "szs": 3}
 NORMALS = {"maxgrad": 0, "maxvol": 1, "avggrad": 2, "owngrad": 3, "specify": 4, "linreg": 5, "logreg": 6}
-TYPES = {
-    "isotropic": 1,
-    "transverse 1": 2,
-    "transverse 2": 3,
-    "orthotropic": 4,
-    "viscoelastic": 7,
-    "mooney": 8,
-    "vonmises": 9,
-    "isoplasticity": 9,
-    "rigid": 11,
-    "rigidbc": 11,
-    "idealgas": 22,
-    "heisotropic": 24,
-    "mgeosmaterial": 17,
-    "hemgeosmaterial": 25,
-    "taitliquid": 27,
-    "neohookean": 28,
-    "rigidcontact": 35,
-    "coulombfriction": 61,
-    "linearinterface": 62,
-    "ignorecontact": 60,
+_TYPES = {
+    1: "isotropic",
+    2: "transverse 1",
+    3: "transverse 2",
+    4: "orthotropic",
+    7: "viscoelastic",
+    8: "mooney",
+    9: "vonmises, isoplasticity",
+    10: "bistable",
+    11: "rigid, rigidbc",
+    12: "triangulartraction",
+    13: "lineartraction",
+    14: "cubictraction",
+    15: "hillplastic",
+    17: "mgeosmaterial, mgscglmaterial",
+    20: "trilineartraction",
+    21: "heanisotropic",
+    22: "idealgas",
+    23: "coupledtraction, coupledsawtooth",
+    24: "heisotropic",
+    25: "hemgeosmaterial",
+    26: "pressuretraction",
+    27: "taitliquid",
+    28: "neohookean",
+    29: "clampedneohookean",
+    33: "mixedmodetraction",
+    34: "exponentialtraction",
+    35: "rigidcontact",
+    50: "isosoftening",
+    60: "ignorecontact",
+    61: "coulombfriction",
+    62: "linearinterface",
 }
+TYPES = {name: number for number, names in _TYPES.items() for name in names.split(", ")}
 STYLES = {"constant": 1, "linear": 2, "sine": 3, "cosine": 4, "silent": 5, "function": 6}
 AXES = {"x": 1, "y": 2, "z": 3, "normal": 11, "shear": 12, "skewxy": 12, "skewrz": 12, "external": 1}
 PROPERTIES = {"a": "alpha", "ax": "alphax", "ay": "alphay", "az": "alphaz", "aa": "alphaA", "at": "alphaT"}
@@ -92,19 +105,22 @@ HISTORIES = {
 _MOST = {
     0: "hole gridbc particlebc",
     1: "title name analysis ptsperelement loadtype boundaryid customtask contactposition frictionmm contactmm"
-    " friction moveplane gridthickness done endregion endhole",
-    2: "mpmmethod damping pdamping globalarchive polypt propagate altpropagate",
-    3: "consistentunits feedbackdamping material gravity growcrack jcontour parameter",
-    4: "gridhoriz gridvert griddepth newcrack growcrackline loadrect temperature",
+    " friction moveplane gridthickness done endregion endhole extrapolaterigid",
+    2: "mpmmethod damping pdamping globalarchive polypt propagate altpropagate entity",
+    3: "consistentunits feedbackdamping pfeedbackdamping material gravity growcrack jcontour parameter"
+    " imperfectinterface imperfectinterfacemm bmpregion",
+    4: "gridhoriz gridvert griddepth newcrack growcrackline loadrect temperature origin",
     5: "moveline loadline load heatflux multimaterialmode",
-    6: "gridrect traction velocity rect oval box sphere",
-    7: "movearc loadarc movebox loadbox line",
-    8: "cylinder",
+    6: "gridrect traction velocity rect oval box sphere rotate",
+    7: "movearc loadarc movebox loadbox line arc",
+    8: "cylinder torus",
 }
 MOST = {name: count for count, names in _MOST.items() for name in names.split()}
 MOST |= {name: len(made) for name, made in SETTINGS.items()}
 """The values of a command that are read; more are refused. Public scripts give loads a last one that nothing reads."""
 
+CUT = {"rect", "oval", "arc", "line", "polypt", "box", "sphere", "cylinder", "torus"}
+"""Shapes that ``Cut`` takes out of the shape before."""
 NAMES = ("xmin", "xmax", "ymin", "ymax", "zmin", "zmax")
 
 
@@ -117,6 +133,7 @@ class Base:
         self.root = Command("JANFEAInput", {}, 1)
         self.blocks: dict[str, Command] = {}
         self.ids: dict[str, str] = {}
+        self.entities: dict[str, Entity] = {}
         self.material: Command | None = None
         self.body: Command | None = None
         self.polygon: Command | None = None
@@ -170,8 +187,14 @@ class Base:
         """The attribute that names a material by its number, or one that is not defined by the script's name."""
         return {word: self._number_of(key)} if key in self.ids else {f"{word}name": key}
 
-    def _into(self) -> Command:
+    def _into(self, level: int = 0) -> Command:
+        """The open region or condition; for cuts the last shape in it, or in that shape, by their level."""
         found = self.body or self.shape
         if found is None:
             raise ScriptError("a shape outside a region")
+        for _ in range(level):
+            last = [inside for inside in found.children if inside.name in SHAPES.split()]
+            if not last:
+                raise ScriptError("'Cut' without a shape before it")
+            found = last[-1]
         return found

@@ -1,13 +1,17 @@
 """Scripts of NairnFEAMPM and NairnFEAMPMViz as the XML commands that they make."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 from mpmcli.importers.nairnmpm import script_base as tables
-from mpmcli.importers.nairnmpm.commands import Command, CommandFile, parse
+from mpmcli.importers.nairnmpm.commands import CLOSE, NUMBER, OPEN, Command, CommandFile, Entity, parse
 from mpmcli.importers.nairnmpm.language import Line, run
+from mpmcli.importers.nairnmpm.script_bodies import Regions
 from mpmcli.importers.nairnmpm.script_conditions import Conditions
 from mpmcli.importers.nairnmpm.script_values import Scalar, ScriptError, text_of
+
+_REFERENCE = re.compile(r"&(?!(?:amp|lt|gt|quot|apos);)([A-Za-z_]\w*);")
 
 
 def read(contents: bytes, path: Path) -> CommandFile:
@@ -22,10 +26,10 @@ def read(contents: bytes, path: Path) -> CommandFile:
         maker.finish()
     except ScriptError as error:
         maker.refuse(error.line or maker.line or 1, str(error))
-    return CommandFile(maker.root, {})
+    return CommandFile(maker.root, maker.entities)
 
 
-class _Maker(Conditions):
+class _Maker(Regions, Conditions):
     def __init__(self, path: Path):
         super().__init__(path)
         self.handlers: dict[str, Callable[[Line], None]] = {
@@ -40,6 +44,8 @@ class _Maker(Conditions):
         if self.material is not None and line.name != "done":
             self._property(line)
             return
+        if line.level and line.name not in tables.CUT:
+            raise ScriptError(f"'Cut' needs a shape, not '{line.name[:40]}'")
         handler = self.handlers.get(line.name)
         if handler is None:
             self.refuse(line.number, f"not supported: the script command '{line.text.split(' ')[0][:40]}'")
@@ -50,6 +56,9 @@ class _Maker(Conditions):
 
     def finish(self) -> None:
         """Close what the end of a script closes."""
+        for command in self.root.walk():
+            command.text = self._resolved(command.text)
+            command.attributes = {name: self._resolved(text) for name, text in command.attributes.items()}
         header = self.blocks["Header"]
         if self.description:
             self._add(header, "Description", "\n".join(self.description))
@@ -57,6 +66,23 @@ class _Maker(Conditions):
         for name, attributes in self.axes.items():
             mesh.children.append(Command(name, attributes, self.line or 1))
         self.blocks["Mesh"].children.append(mesh)
+
+    def _resolved(self, text: str) -> str:
+        """A text with the values of entities, or their marks where they are numbers."""
+
+        def value(found: re.Match[str]) -> str:
+            entity = self.entities.get(found[1])
+            if entity is None:
+                return found[0]
+            number = NUMBER.match(entity.value)
+            is_number = number is not None and number.end() == len(entity.value.rstrip())
+            return f"{OPEN}{found[1]}{CLOSE}" if is_number else entity.value
+
+        return _REFERENCE.sub(value, text)
+
+    def _do_entity(self, line: Line) -> None:
+        name, value = map(text_of, self._need(line, 2))
+        self.entities[name] = Entity(name, value, line.number)
 
     # ------------------------------------------------------------------ header
 
@@ -70,9 +96,10 @@ class _Maker(Conditions):
         self.description += str(line.values[1]).splitlines()
 
     def _do_comment(self, line: Line) -> None:
-        """Comments are displayed only."""
+        self.description.append("Comment: " + ", ".join(map(text_of, line.values)))
 
-    _do_processors = _do_comment
+    def _do_processors(self, line: Line) -> None:
+        self._add(self.blocks["Header"], "Processors", self._need(line, 1)[0])
 
     def _do_analysis(self, line: Line) -> None:
         code = self._choice(self._need(line, 1)[0], tables.ANALYSES, "analysis")
@@ -127,12 +154,20 @@ class _Maker(Conditions):
 
     def _do_feedbackdamping(self, line: Line) -> None:
         more = dict(zip(("target", "max"), line.values[1:], strict=False))
-        self._set("FeedbackDamping", self._need(line, 1)[0], **more)
+        name = "PFeedbackDamping" if line.name.startswith("p") else "FeedbackDamping"
+        self._set(name, self._need(line, 1)[0], **more)
+
+    _do_pfeedbackdamping = _do_feedbackdamping
+
+    def _do_extrapolaterigid(self, line: Line) -> None:
+        if not line.values or text_of(line.values[0]).lower() == "yes":
+            self._set("ExtrapolateRigid")
 
     def _do_xmldata(self, line: Line) -> None:
         words = [word.strip().strip('"') for word in text_of(line.values[0]).split(",")]
         where, key = words[0], "".join(words[1:2])
-        found = parse(f"<x>{line.values[1]}</x>".encode(), self.path).root
+        text = _REFERENCE.sub(r"&amp;\1;", text_of(line.values[1]))  # entities stay until the end
+        found = parse(f"<x>{text}</x>".encode(), self.path).root
         for command in found.walk():
             command.line += line.number
         if where.lower() in {"", "end", "material"}:
@@ -150,6 +185,11 @@ class _Maker(Conditions):
     def _do_multimaterialmode(self, line: Line) -> None:
         values = line.values
         mode = self._set("MultiMaterialMode", Normals=2.0)
+        if values:
+            mode.attributes["Vmin"] = text_of(values[0])
+        if len(values) > 1:
+            checks = {"disabled": 0, "no": 0, "enabled": 1, "yes": 1}
+            mode.attributes["Dcheck"] = str(self._choice(values[1], checks, "check of displacements"))
         if len(values) > 2:
             mode.attributes["Normals"] = text_of(float(self._choice(values[2], tables.NORMALS, "normal")))
         if len(values) > 3:
@@ -174,6 +214,13 @@ class _Maker(Conditions):
         self._add(self._cracks() if line.name == "friction" else self._mode(), "Friction", friction)
 
     _do_frictionmm = _do_friction
+
+    def _do_imperfectinterface(self, line: Line) -> None:
+        names = ("Dt", "Dnt" if len(line.values) > 2 else "Dn", "Dnc")
+        parent = self._cracks() if line.name == "imperfectinterface" else self._mode()
+        self._add(parent, "Friction", 11.0, **dict(zip(names, self._need(line, 2), strict=False)))
+
+    _do_imperfectinterfacemm = _do_imperfectinterface
 
     def _do_contactcracks(self, line: Line) -> None:
         law = text_of(self._need(line, 1)[0])
@@ -203,7 +250,8 @@ class _Maker(Conditions):
         word = line.text.split(None, 1)[0].rstrip(",")
         name = tables.PROPERTIES.get(word.lower(), word)
         if word.lower() == "color":
-            return  # displayed only
+            self._add(self.material, "color")
+            return
         if word.lower() in tables.GROWTH and not (word.lower() == "direction" and self._is_rigid()):
             self._growth(word.lower(), self._need(line, 1)[0])
             return
@@ -260,71 +308,6 @@ class _Maker(Conditions):
 
     def _do_gridthickness(self, line: Line) -> None:
         self.grid["thickness"] = text_of(self._need(line, 1)[0])
-
-    # ------------------------------------------------------------------ bodies
-
-    def _do_region(self, line: Line) -> None:
-        values = self._need(line, 1)
-        key = text_of(values[0])
-        names = ("vx", "vy", "vz" if self.is_3d else "thick")
-        given: dict[str, Scalar] = dict(zip(names, values[1:4], strict=False))
-        for name, value in zip(values[4::2], values[5::2], strict=False):
-            given[text_of(name).lower()] = value
-        if len(values) > 4 and len(values) % 2 == 1:
-            raise ScriptError(f"the property '{text_of(values[-1])[:40]}' has no value")
-        moving = {name: given.pop(name) for name in ("vx", "vy", "vz") if isinstance(given.get(name), str)}
-        self.body = self._add(self.blocks["MaterialPoints"], "Body", **self._named(key), **given)
-        for name, value in moving.items():
-            self._add(self.body, f"vel0{name[1].upper()}", value)
-        self.polygon = None
-
-    def _do_hole(self, line: Line) -> None:
-        self.body = self._add(self.blocks["MaterialPoints"], "Hole")
-
-    def _do_endregion(self, line: Line) -> None:
-        self.body = self.polygon = None
-
-    _do_endhole = _do_endregion
-
-    def _do_transform(self, line: Line) -> None:
-        values = self._need(line, 1)
-        if self.body is None or self.body.name != "Body":
-            raise ScriptError("'Transform' belongs into a region")
-        if self.body.first("Transform") is not None:
-            raise ScriptError("only one 'Transform' is allowed in a region")
-        if self.is_3d or len(values) > 5:
-            raise ScriptError("not supported: 'Transform' in 3D")
-        names = ("angle", "tx", "ty", "ox", "oy")
-        self._add(self.body, "Transform", **dict(zip(names, values, strict=False)))
-
-    def _do_rect(self, line: Line) -> None:
-        name = line.name.title()
-        count = 4 if name in {"Rect", "Oval"} or (name == "Line" and not self.is_3d) else 6
-        values = self._need(line, count)
-        self.polygon = None
-        made = self._add(self._into(), name, **dict(zip(tables.NAMES, values[:count], strict=False)))
-        more = values[count:]
-        if more and name == "Oval":
-            angles = {"start": text_of(more[0]), "end": text_of(more[-1])}
-            made.children.append(Command("arc", angles, line.number))
-        elif more and name == "Line":
-            made.attributes["tolerance"] = text_of(more[0])
-        elif more and name == "Cylinder":
-            made.attributes["axis"] = str(self._choice(more[0], {"x": 1, "y": 2, "z": 3}, "axis"))
-            made.attributes |= {"radius": text_of(more[1])} if len(more) > 1 else {}
-        elif more:
-            raise ScriptError(f"not supported: the value '{text_of(more[0])[:40]}' of '{name}'")
-
-    _do_oval = _do_line = _do_box = _do_sphere = _do_cylinder = _do_rect
-
-    def _do_polypt(self, line: Line) -> None:
-        if not line.values:
-            self.polygon = None
-            return
-        x, y = self._need(line, 2)[:2]
-        if self.polygon is None:
-            self.polygon = self._add(self._into(), "Polygon")
-        self._add(self.polygon, "pt", x=x, y=y)
 
     # ------------------------------------------------------------------- tasks
 

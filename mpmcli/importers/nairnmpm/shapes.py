@@ -1,5 +1,6 @@
 """Shapes of bodies, holes and conditions as regions."""
 
+import math
 from typing import Any
 
 from mpmcli.importers.nairnmpm.commands import Command
@@ -16,7 +17,7 @@ Box = tuple[list[float], list[float]]
 
 def region(job: Job, shape: Command) -> dict[str, Any] | None:
     """The region of a shape without the shapes in it, or None after an error or a note."""
-    made = _whole(job, shape)
+    made = ring(job, shape) if shape.name == "Arc" else _whole(job, shape)
     holes = [region(job, inside) for inside in shape.all(*NAMES)]
     holes = [hole for hole in holes if hole is not None]
     if made is None or not holes:
@@ -56,6 +57,54 @@ def corners(job: Job, shape: Command) -> tuple[list[Value], list[Value]] | None:
     return [low for low, _ in ends], [high for _, high in ends]
 
 
+def ring(job: Job, arc: Command) -> dict[str, Any] | None:
+    """The points that lie at an arc within its tolerance, or None after an error or a note."""
+    if job.analysis == "3d":
+        job.error(arc, "belongs to analyses in 2D")
+        return None
+    found = corners(job, arc)
+    if found is None:
+        return None
+    width = half_width(job, arc)
+    half = [0.5 * (high.scaled - low.scaled) for low, high in zip(*found, strict=True)]
+    center = [0.5 * (high.scaled + low.scaled) for low, high in zip(*found, strict=True)]
+    if abs(half[0] - half[1]) > 1e-9 * max(half) or half[0] <= width:
+        job.note("not_supported", arc, "arcs other than those of circles wider than their tolerance")
+        return None
+    made = {"kind": "disk", "center": center, "radius": half[0] + width, "inner_radius": half[0] - width}
+    return _sector(job, arc, made, center)
+
+
+def half_width(job: Job, shape: Command) -> float:
+    """Half the width of a line: in cells with a star; a hundredth of a cell by default."""
+    text = job.source.plain(shape.get("tolerance") or "").strip()
+    if not text:
+        return 0.01 * min(job.cell)
+    try:
+        cells = float(text[1:]) if text.startswith("*") else None
+    except ValueError:
+        return 0.01 * min(job.cell)
+    width = job.number(shape, "tolerance") if cells is None else Value(cells * min(job.cell))
+    return 0.01 * min(job.cell) if width is None else width.scaled
+
+
+def _sector(job: Job, angles: Command, made: dict[str, Any], center: list[float]) -> dict[str, Any] | None:
+    """The part of a region between two angles about its centre, counter-clockwise from x in degrees."""
+    start, end = job.plain(angles, "start"), job.plain(angles, "end", 360.0)
+    if end < start:
+        job.error(angles, f"the end angle {end:g} is below the start angle {start:g}")
+        return None
+    if end - start >= 360:
+        return made
+    sides = []
+    for angle, sign in ((start, 1), (end, -1)):
+        turn = math.radians(angle)
+        normal = [Value(round(sign * part, 15) + 0.0) for part in (math.sin(turn), -math.cos(turn))]
+        sides.append({"kind": "half_space", "point": center, "normal": normal})
+    wedge = [{"kind": "union", "regions": sides}] if end - start > 180 else sides
+    return {"kind": "intersection", "regions": [made, *wedge]}
+
+
 def _whole(job: Job, shape: Command) -> dict[str, Any] | None:
     if shape.name == "Polygon":
         return _polygon(job, shape)
@@ -74,15 +123,19 @@ def _whole(job: Job, shape: Command) -> dict[str, Any] | None:
     axis = shape.get("axis")
     turned = shape.name in {"Box", "Cylinder"} and axis in _AXES
     shape.get("radius")
-    if shape.name in {"Rect", "Box"} and not turned:
-        return {"kind": "box", "lower": lower, "upper": upper}
     half = [0.5 * (high.scaled - low.scaled) for low, high in zip(lower, upper, strict=True)]
     center = [0.5 * (high.scaled + low.scaled) for low, high in zip(lower, upper, strict=True)]
     if turned or shape.name == "Cylinder":
         return _cylinder(job, shape, _AXES.get(axis or "z", 2), lower, upper)
-    if max(half) - min(half) <= 1e-9 * max(half):
-        return {"kind": "disk" if flat else "sphere", "center": center, "radius": half[0]}
-    return {"kind": "ellipse" if flat else "ellipsoid", "center": center, "semi_axes": half}
+    made: dict[str, Any]
+    if shape.name in {"Rect", "Box"}:
+        made = {"kind": "box", "lower": lower, "upper": upper}
+    elif max(half) - min(half) <= 1e-9 * max(half):
+        made = {"kind": "disk" if flat else "sphere", "center": center, "radius": half[0]}
+    else:
+        made = {"kind": "ellipse" if flat else "ellipsoid", "center": center, "semi_axes": half}
+    sector = shape.last("arc")
+    return made if sector is None else _sector(job, sector, made, center)
 
 
 def _polygon(job: Job, shape: Command) -> dict[str, Any] | None:

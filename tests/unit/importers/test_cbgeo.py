@@ -251,6 +251,24 @@ def test_local_damping(tmp_path):
     assert translated(given, tmp_path).scene["method"]["damping"] == {"local": 0.05}
 
 
+def test_other_damping_and_contact_are_refused(tmp_path):
+    given = level_block()
+    given.main["analysis"] |= {"damping": {"type": "Viscous", "damping_factor": 1e3}, "interface": True}
+    problems = list(map(str, translate(given.write(tmp_path / "a"), partial=False).problems(partial=False)))
+    assert len(problems) == 2
+    assert "damping of type 'Viscous'" in problems[0]
+    assert "contact between materials" in problems[1]
+    given.main["analysis"] |= {"damping": {"type": "Cundall", "damping_factor": 1}, "interface": False}
+    made = translate(given.write(tmp_path / "b"), partial=False)
+    assert [str(problem) for problem in made.problems(partial=False) if "below 1 is needed" in str(problem)]
+    assert any("interface: switched off" in str(note) for note in made.of_kind("ignored"))
+
+
+def test_the_flow_of_mohr_coulomb_is_noted(tmp_path):
+    notes = translated(sources.mohr_coulomb_compression(), tmp_path).of_kind("changed")
+    assert any("CB-Geo's potential is smooth" in str(note) for note in notes)
+
+
 MATERIALS = {
     "Bingham2D": {"youngs_modulus": 1e6, "poisson_ratio": 0.4, "tau0": 100, "mu": 2, "critical_shear_rate": 0.1},
     "ModifiedCamClay2D": {
@@ -392,6 +410,19 @@ def test_an_absorbing_side(tmp_path):
     assert springs["coordinates"] == "current"
 
 
+def test_absorbing_nodes_of_several_sides(tmp_path):
+    given = sources.absorbing_column(10)
+    conditions = given.main["mesh"]["boundary_conditions"]
+    both = {"nset_id": 0, "dir": 0, "delta": 0.1, "a": 1.0, "b": 1.0}
+    conditions["absorbing_constraints"] = [both]
+    loads = translated(given, tmp_path / "both").scene["loads"]
+    sides = [load["on"]["face"]["side"] for load in loads if load["kind"] == "absorbing"]
+    assert sides == ["lower", "upper"]
+    conditions["absorbing_constraints"] = [both | {"dir": 1}]
+    made = translate(given.write(tmp_path / "across"), partial=False)
+    assert "no whole side of the mesh" in str(made.problems(partial=False)[0])
+
+
 def test_functions_that_nothing_depends_on_or_with_the_same_number(tmp_path):
     given = uniaxial_traction()
     [function] = given.main["math_functions"]
@@ -415,3 +446,11 @@ def test_signs_of_normals_are_one(tmp_path):
     table.write_text(table.read_text().replace("-1\t", "-2\t", 1))
     problems = translate(path, partial=False).problems(partial=False)
     assert ["the sign of the normal is -1 or 1, not -2" in str(problem) for problem in problems] == [True]
+
+
+def test_particles_of_other_dimensions_are_a_fault(tmp_path):
+    given = level_block()
+    given.main["particles"][0]["generator"] |= {"type": "file", "location": "p.txt", "io_type": "Ascii3D"}
+    given.files["p.txt"] = "1\n0.5 0.5\n"
+    problems = translate(given.write(tmp_path), partial=False).problems(partial=False)
+    assert any("'Ascii3D' does not fit the 2D cells" in str(problem) for problem in problems)

@@ -446,7 +446,7 @@ def test_names_without_letters(tmp_path):
 @pytest.mark.parametrize(
     ("parts", "words"),
     [
-        ({"points": BODY.replace('xmax="4"', 'xmax="9"')}, r":7 +bodies\.stuff\.region +the region spans"),
+        ({"points": BODY.replace('xmax="4"', 'xmax="0"')}, r":7 +bodies\.stuff\.region"),
         ({"material": MATERIAL.replace("0.3", "0.7")}, r":8 +materials\.stuff\.nu +0\.7 is out of range"),
         ({"material": MATERIAL.replace("<rho>1<", "<rho>&heavy;<"), "entities": '<!ENTITY heavy "-2">'},
          r":8 +materials\.stuff\.density +-0\.002 is out of range"),
@@ -1723,3 +1723,252 @@ def test_quantities_along_the_axes_of_a_cylinder(tmp_path, theirs, column):
 def test_conductivities_along_axes_have_no_effect_without_conduction(tmp_path):
     material = f'<Material Type="3" Name="A"><rho>1</rho>{FIBRES}<kCondA>3</kCondA></Material>'
     sound(tmp_path, source(material=material))
+
+
+def of_script(tmp_path, words, old='Region "left",100,0,2\n  Rect 1,1+2,1,3\nEndRegion'):
+    """The translation of the script with other words in place of its first region."""
+    assert old in SCRIPT
+    return sound(tmp_path, SCRIPT.replace(old, words))
+
+
+def sampled(made, index=0):
+    """Which points of the plane a body of a translation has, and the points."""
+    x = np.random.default_rng(7).uniform([[0.0], [0.0]], [[8.0], [4.0]], (2, 4000))
+    return load(write(made)).scene.bodies[index].region.contains(x), x
+
+
+CUTS = """Region "left",0,0,2
+  Rect 0,4,0,4
+  Cut Oval 0.5,3.5,0.5,3.5
+  Cut Cut PolyPt 1.5,1.5
+  Cut Cut PolyPt 2.5,1.5
+  Cut Cut PolyPt 2.5,2.5
+  Cut PolyPt 0,0
+  Cut PolyPt 0.4,0
+  Cut PolyPt 0.4,0.4
+EndRegion"""
+
+
+def test_cuts_of_scripts_are_nested(tmp_path):
+    inside, (x, y) = sampled(of_script(tmp_path, CUTS))
+    oval = (x - 2) ** 2 + (y - 2) ** 2 < 1.5**2
+    kept = (x > 1.5) & (x < 2.5) & (y > 1.5) & (y - 1.5 < x - 1.5)
+    corner = (x < 0.4) & (y < x)
+    assert (inside == (x < 4) & ~(oval & ~kept) & ~corner).all()
+
+
+@pytest.mark.parametrize(
+    "words", ["Cut", "Cut Rect 1,2,1,2", "Rect 0,4,0,4\n  Cut Cut Rect 1,2,1,2", "Cut Rotate z,3"]
+)
+def test_cuts_need_a_shape(tmp_path, words):
+    text = SCRIPT.replace("  Rect 1,1+2,1,3", f"  {words}")
+    with pytest.raises(SceneError, match="'Cut'"):
+        translated(tmp_path, text)
+
+
+@pytest.mark.parametrize("angles", [(0, 90), (30, 60), (0, 180), (0, 270), (90, 360), (350, 380), (100, 400)])
+@pytest.mark.parametrize("shape", ["Rect", "Oval", "Arc"])
+def test_sectors(tmp_path, shape, angles):
+    start, end = angles
+    words = f'Region "left",0,0,2\n  {shape} 0,4,0,4,{start},{end}{",0.5" * (shape == "Arc")}\nEndRegion'
+    inside, (x, y) = sampled(of_script(tmp_path, words))
+    r, angle = np.hypot(x - 2, y - 2), np.degrees(np.arctan2(y - 2, x - 2))
+    whole = {"Rect": x < 4, "Oval": r < 2, "Arc": abs(r - 2) < 0.5}[shape]
+    within = [(start <= angle + turn) & (angle + turn <= end) for turn in (-360, 0, 360)]
+    assert (inside == whole & np.any(within, axis=0)).all()
+
+
+def test_sectors_end_after_they_start(tmp_path):
+    points = BODY.replace("/></Body>", '><arc start="90" end="0"/></Rect></Body>')
+    assert_refused(tmp_path, "the end angle 0 is below the start angle 90", points=points)
+    square = 'xmin="0" xmax="4" ymin="0" ymax="3"'
+    points = f'<Body mat="1"><Arc {square} start="0" end="90"/></Body>'
+    assert_refused(tmp_path, "arcs other than those of circles", points=points)
+
+
+def test_conditions_on_arcs(tmp_path):
+    words = "GridBC\n  Arc 1,3,1,3,0,180,0.2\n  Velocity x,constant,0\nEndGridBC\nMoveLine 8,0,8,4"
+    made = sound(tmp_path, SCRIPT.replace("MoveLine 8,0,8,4", words))
+    where = load(write(made)).scene.boundary[1].on.region
+    places = np.array([[3.0, 2.0], [2.0, 3.0], [1.0, 2.0], [2.0, 1.0], [2.0, 2.0]]).T
+    assert where.contains(places).tolist() == [True, True, True, False, False]
+
+
+def test_axes_of_regions_of_scripts(tmp_path):
+    fibre = (
+        'Material "left","Left half","Transverse 2"\n  EA 200\n  GA 30\n  ET 20\n  nuT 0.3\n  rho 1.5\nDone'
+    )
+    stuff = SCRIPT[SCRIPT.index('Material "left"') : SCRIPT.index('Material "right"')]
+    text = SCRIPT.replace(stuff, f"{fibre}\n").replace("  Rect 1,1+2", "  Rotate z,30\n  Rect 1,1+2")
+    assert sound(tmp_path, text).scene["bodies"][0]["axes"] == [{"angle": -30}]
+
+
+PICTURE = """BMPRegion "stuff.png",8
+  Origin 0,0,0,"yes"
+  Intensity "left",0,100,"vx",1000,"thick",2
+  Intensity "right",101,200
+EndRegion"""
+
+
+def test_pictures_of_scripts(tmp_path):
+    from PIL import Image
+
+    Image.new("L", (16, 8), 50).save(tmp_path / "stuff.png")
+    made = translated(
+        tmp_path, SCRIPT.replace(SCRIPT[SCRIPT.index("Region") : SCRIPT.index("MoveLine") - 1], PICTURE)
+    )
+    first, second = (body["region"] for body in made.scene["bodies"])
+    assert first == {
+        "kind": "bitmap",
+        "file": "stuff.png",
+        "origin": [0, 0],
+        "flip": "vertical",
+        "size": [8, 4],
+        "levels": [0, 100],
+    }
+    assert second["levels"] == [101, 200]
+    assert made.scene["bodies"][0]["velocity"] == [1, 0]
+    with pytest.raises(SceneError, match="belongs into a 'BMPRegion'"):
+        translated(tmp_path, SCRIPT.replace("  Rect 1,1+2", "  Origin 0,0\n  Rect 1,1+2"))
+
+
+def test_entities_of_scripts(tmp_path):
+    xml = '<Body mat="1" vx="&speed;"><vel0Y>&up;</vel0Y><Rect xmin="1" xmax="&xmax;" ymin="1" ymax="3"/></Body>'
+    words = f'Entity "speed",#cell*1000\nXMLData "MaterialPoints"\n{xml}\nEndXMLData\n'
+    words += 'Entity "up","100*"&"x"\nEntity "xmax",3'
+    scene = of_script(tmp_path, words).scene
+    assert scene["constants"] == {"speed": "500 mm/s", "xmax": 3}
+    body = scene["bodies"][0]
+    assert body["velocity"] == ["speed", "0.1*x"]
+    assert body["region"]["upper"] == ["xmax", 3]
+    text = SCRIPT.replace("EndHeader", f'EndHeader\nXMLData "MaterialPoints"\n{xml}\nEndXMLData')
+    problems = translated(tmp_path, text).problems(partial=False)
+    assert any("'&xmax;' is not a number" in str(problem) for problem in problems)
+
+
+def test_other_commands_of_scripts(tmp_path):
+    made = script_of(tmp_path, 'PFeedbackDamping 2,"0.5",10\nExtrapolateRigid\nExtrapolateRigid no')
+    damping = made.scene["method"]["damping"]["feedback"]
+    assert (damping["damps"], damping["gain"]) == ("particle", 2)
+    assert sum("<ExtrapolateRigid>" in str(note) for note in made.notes) == 1
+    made = script_of(tmp_path, "MultimaterialMode 0,enabled,avggrad\nImperfectInterfaceMM 2,5")
+    assert made.scene["contact"]["law"] == {"kind": "linear_interface", "normal": 5, "tangential": 2}
+    made = script_of(tmp_path, "MultimaterialMode 0,enabled,avggrad\nImperfectInterfaceMM 2,5,8")
+    law = {"kind": "bilinear_interface", "tension": 5, "compression": 8, "tangential": 2}
+    assert made.scene["contact"]["law"] == law
+
+
+def test_softening_of_scripts(tmp_path):
+    """Names of properties may have a hyphen."""
+    softening = 'Material "left","Left half","IsoSoftening"\n  E 100\n  nu 0.3\n  rho 1\n  sigmac 3\n  I-Gc 2*4\nDone\n'
+    stuff = SCRIPT[SCRIPT.index('Material "left"') : SCRIPT.index('Material "right"')]
+    made = sound(tmp_path, SCRIPT.replace(stuff, softening))
+    assert made.scene["materials"]["left_half"]["toughness"] == "8 J/m^2"
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [
+        ("heat energy", "heat_inflow: nothing conducts heat"),
+        ("thermal energy", "thermal_energy: nothing conducts heat"),
+        ("friction work", "contact_work: nothing is in contact"),
+        ("interface energy", "interface_energy: there is no interface"),
+        *((kind, f"'{kind}' is not archived") for kind in ("velz", "dispz", "sxz", "exz")),
+    ],
+)
+def test_columns_that_the_scene_lacks(tmp_path, kind, words):
+    setup = f'<GlobalArchiveTime units="ms">1</GlobalArchiveTime><GlobalArchive type="{kind}"/>'
+    made = sound(tmp_path, source(setup=setup))
+    assert any(words in str(note) for note in made.of_kind("ignored"))
+
+
+def test_bodies_end_where_the_grid_ends(tmp_path):
+    wide = '<Body mat="1"><Rect xmin="-3" xmax="1" ymin="0" ymax="9"/></Body>'
+    round_one = '<Body mat="1"><Oval xmin="4" xmax="8" ymin="0" ymax="4"/></Body>'
+    beyond = '<Body mat="1"><Rect xmin="6" xmax="9" ymin="0" ymax="4"/></Body>'
+    made = sound(tmp_path, source(points="\n".join((wide, round_one, beyond))))
+    first, second = (body["region"] for body in made.scene["bodies"])
+    assert (first["lower"], first["upper"]) == ([-2, 0], [1, 6])
+    assert second["kind"] == "intersection"
+    assert second["regions"][1]["upper"] == [6, 6]
+    notes = "\n".join(map(str, made.notes))
+    assert notes.count("beyond the grid is left out") == 2
+    assert notes.count("the body lies beyond the grid") == 1
+
+
+def test_holes_after_all_bodies_are_noted(tmp_path):
+    hole = '<Hole><Rect xmin="1" xmax="2" ymin="1" ymax="2"/></Hole>'
+    made = sound(tmp_path, source(points=BODY + hole))
+    assert any("there is none" in str(note) for note in made.of_kind("ignored"))
+    assert not any("there is none" in str(note) for note in sound(tmp_path, source(points=hole + BODY)).notes)
+
+
+MORE = "".join(
+    f'<Material Type="1" Name="S{i}"><rho>1</rho><E>100</E><nu>0.3</nu></Material>' for i in range(2)
+)
+THREE = "".join(
+    f'<Body mat="{i + 1}"><Rect xmin="{i}" xmax="{i + 1}" ymin="0" ymax="4"/></Body>' for i in range(3)
+)
+
+
+def test_nodes_of_three_materials(tmp_path):
+    pairs = {"setup": '<MultiMaterialMode Normals="2" Lumping="1"/>'}
+    three = {"points": THREE, "material": MATERIAL + MORE}
+    assert scene_of(tmp_path, **pairs, **three)["contact"]["three_or_more"] == "pairs"
+    lumped = scene_of(tmp_path, setup='<MultiMaterialMode Normals="2" Lumping="0"/>', **three)
+    assert "three_or_more" not in lumped["contact"]
+    two = {"points": THREE.replace('mat="3"', 'mat="2"'), "material": MATERIAL + MORE}
+    made = sound(tmp_path, source(**pairs, **two))
+    assert "three_or_more" not in made.scene["contact"]
+    assert any("Lumping: there are fewer" in str(note) for note in made.of_kind("ignored"))
+    assert_refused(tmp_path, "Lumping 2", setup='<MultiMaterialMode Normals="2" Lumping="2"/>', **three)
+
+
+def test_commands_of_scripts_are_not_lost(tmp_path):
+    words = 'Processors 4\nComment "Speed = ",3\nMultimaterialMode 0.8,disabled,avggrad'
+    made = script_of(tmp_path, words)
+    assert made.scene["contact"]["separation"] == {"kind": "none"}
+    assert any("Vmin 0.8" in str(note) for note in made.of_kind("changed"))
+    assert any("<Processors>: mpmcli run -j" in str(note) for note in made.of_kind("ignored"))
+    assert "Comment: Speed = , 3" in made.comments["title",]
+    colored = SCRIPT.replace("  rho 1.5", "  rho 1.5\n  color 1,0,0")
+    assert any("<color>" in str(note) for note in sound(tmp_path, colored).of_kind("ignored"))
+
+
+def test_cracks_in_axisymmetric_bodies_end_at_the_axis(tmp_path):
+    text = source(
+        analysis=13,
+        points='<Body mat="1"><Rect xmin="0" xmax="4" ymin="0" ymax="4"/></Body>',
+        more='<CrackList><pt x="2" y="2.1" tip="1"/><pt x="0.1" y="2.1" tip="-2"/></CrackList>',
+    )
+    made = sound(tmp_path, text)
+    assert made.scene["cracks"][0]["path"]["points"] == [[2, 2.1], [0, 2.1]]
+    assert any("to the axis" in str(note) for note in made.of_kind("changed"))
+
+
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [
+        ('<Body mat="1" vx="3" thick="1"><Line xmin="0" xmax="1" ymin="0" ymax="1"/></Body>', "shape"),
+        ('<Body mat="7" vx="3"><Rect xmin="0" xmax="1" ymin="0" ymax="1"/></Body>', "no material 7"),
+        ('<BMP name="none.png" width="3"><Intensity mat="1" imin="0" imax="9"/></BMP>', "cannot be read"),
+    ],
+)
+def test_one_fault_of_a_body_is_one_problem(tmp_path, points, words):
+    made = translated(tmp_path, source(points=BODY + points))
+    assert [words in str(problem) for problem in made.problems(partial=False)] == [True]
+
+
+@pytest.mark.parametrize(
+    ("parts", "words"),
+    [
+        ({"setup": "<StressFreeTemp>300</StressFreeTemp>"}, "<StressFreeTemp>: no temperature changes"),
+        ({"more": "<Gravity><BodyZForce>3</BodyZForce></Gravity>"}, "<BodyZForce>: there is no axis z"),
+        ({"more": "<Gravity><GridBodyZForce>x</GridBodyZForce></Gravity>"}, "no axis z"),
+        ({"points": BODY.replace('mat="1"', 'mat="1" vz="3"')}, "a velocity along z"),
+        ({"material": MATERIAL.replace("<E>", "<G>3</G><K>4</K><E>")}, "G: E and nu are given"),
+    ],
+)
+def test_what_has_no_effect_is_listed(tmp_path, parts, words):
+    made = sound(tmp_path, source(**parts))
+    assert any(words in str(note) for note in made.of_kind("ignored"))
