@@ -138,6 +138,7 @@ def left_out(plan: Plan, contact: ContactChoice) -> list[str]:
         "XPIC filter": not plan.method.projects,
         "second extrapolation of momenta": not plan.update.again,
         "averages of volume changes and pressures": not plan.averages_volume,
+        "linear increments of deformation": not plan.linear_increments,
         "velocity conditions": not plan.has_conditions,
         "loads": not plan.has_loads,
         "damping": not plan.damping.takes_energy,

@@ -213,6 +213,9 @@ class Method(Model):
     """How velocity conditions act in the FMPM loop [nairn2026, section 3.1]."""
     volumetric: Literal["local", "averaged"] = "local"
     """Volume changes and pressures of each particle, or averaged against locking [coombs2018] [zhao2023]."""
+    deformation_increment: Literal["exponential", "linear"] = "exponential"
+    """Deformation of a step: exp(L Δt), or I + L Δt. With `alpha: 1`, the linear one is the gradient of the motion of
+    the particles: bodies that turn keep their size, energy and angular momentum (with velocity gradients)."""
     damping: Damping = Damping()
     """Damping of velocities."""
     artificial_viscosity: ArtificialViscosity | None = None

@@ -20,6 +20,7 @@ from mpmcli.solver.averaging import VolumeAveraging
 from mpmcli.solver.damping import Damping
 from mpmcli.solver.failures import Failures
 from mpmcli.solver.heat_interval import HeatInterval
+from mpmcli.solver.linear_increments import LinearIncrements
 from mpmcli.solver.plan import StepArrays
 from mpmcli.solver.stress import StressUpdate
 from mpmcli.solver.transfer import Transfer
@@ -55,6 +56,7 @@ class Parts:
     conditions: GridConditions | None
     loads: Loads | None
     averaging: VolumeAveraging | None
+    increments: LinearIncrements | None
     rigid: RigidBodies | None
     contact: NodalContact | None
     cracks: Cracks | None

@@ -62,6 +62,7 @@ class Plan:
     shows_displacement : displacements of particles are written
     corrects_filter : the filter of XPIC knows what contact corrects
     averages_volume : rates of volume and pressures are averaged over nodes
+    linear_increments : dF = I + L Δt, not its exponential
     """
 
     analysis_name: str
@@ -93,6 +94,7 @@ class Plan:
     velocity_gradient: bool
     shows_displacement: bool
     averages_volume: bool
+    linear_increments: bool
 
     @property
     def has_final_stress(self) -> bool:
@@ -198,6 +200,7 @@ def make_plan(scene: Any) -> Plan:
         shows_displacement=shows(scene.archive, scene.probes, "displacement")
         or tables_show(scene, "displacement"),
         averages_volume=method.volumetric == "averaged",
+        linear_increments=method.deformation_increment == "linear",
     )
 
 

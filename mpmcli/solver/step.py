@@ -267,6 +267,8 @@ class _Tasks:
         s, state = self._s, self._s.state
         if step.plan.keeps_positions:
             s.arrays.X_new = s.particles.exchange_positions(s.arrays.X_new)
+        if s.increments is not None and step.plan.velocity_gradient and not step.plan.update.again:
+            s.increments.follow(step.dt)
         s.damping.account()
         s.failures.refuse_speed(s.transfer.largest_speed)
         if s.conditions is not None:
@@ -297,4 +299,6 @@ class _Tasks:
         if s.averaging is not None:
             s.averaging.average_rates()
             L = s.averaging.L
+        if s.increments is not None:
+            L = s.increments.rates(L, dt)
         s.stress.update(L, dt)

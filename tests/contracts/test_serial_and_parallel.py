@@ -253,6 +253,12 @@ def test_volume_averaging(hold_alike, shape, analysis):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("analysis", list(ANALYSES))
+def test_linear_increments(hold_alike, analysis):
+    hold_alike(scene_of(analysis, method={"shape": "lcpdi", "deformation_increment": "linear"}))
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("gradient", [False, True])
 @pytest.mark.parametrize("update", list(UPDATES))
 def test_volume_averaging_in_updates(hold_alike, update, gradient):

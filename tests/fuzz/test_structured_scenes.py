@@ -505,6 +505,8 @@ def add_rare_keys(dice: Dice, scene: dict[str, Any], d: int) -> None:
     normal = scene["contact"]["normal"] if "contact" in scene else {}
     if rigid and normal and "rigid_normal" in NORMALS[normal["kind"]].model_fields and dice.rarely(0.5):
         normal["rigid_normal"] = "surface"
+    if dice.rarely(0.05):
+        scene["method"]["deformation_increment"] = "linear"
 
 
 def may_be_periodic(scene: dict[str, Any]) -> bool:

@@ -123,3 +123,28 @@ def test_a_spinning_disk_keeps_its_energy_with_the_gradient(transfer, block):
         run.simulation.step()
     assert run.kinetic_energy / kinetic == pytest.approx(0.997, abs=0.002)
     assert run.angular_momentum / spin == pytest.approx(1.0012, abs=0.001)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("transfer", [{"kind": "flip"}, {"kind": "fmpm", "order": 4}])
+def test_a_spinning_disk_keeps_everything_with_linear_increments(transfer, block):
+    """One turn: the radius without the 0.25 % of exponential increments, energy and angular momentum to 2e-4."""
+    method = {"shape": "lcpdi", "transfer": transfer | {"velocity_gradient": True, "alpha": 1}}
+    run = block(
+        method=method | {"deformation_increment": "linear"},
+        grid={"lower": [-12, -12], "upper": [12, 12], "cell": 1},
+        materials__soft={"kind": "neo_hookean", "density": 1.5e-3, "E": 1000.0, "nu": 0.33},
+        bodies__0={
+            "name": "disk",
+            "material": "soft",
+            "region": {"kind": "disk", "center": [0, 0], "radius": 10},
+            "velocity": ["-1.99*y", "1.99*x"],
+        },
+    )
+    p = run.simulation.particles
+    kinetic, spin, square = run.kinetic_energy, run.angular_momentum, (p.mass * np.square(p.X)).sum()
+    while run.simulation.time < 3.157:
+        run.simulation.step()
+    assert run.kinetic_energy / kinetic == pytest.approx(1.0, abs=3e-4)
+    assert run.angular_momentum / spin == pytest.approx(1.0, abs=1e-4)
+    assert (p.mass * np.square(p.X)).sum() / square == pytest.approx(1.0, abs=4e-4)
