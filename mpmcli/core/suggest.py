@@ -163,7 +163,9 @@ def nearest(word: str, names: Iterable[str]) -> str | None:
     if meant is not None:
         return meant
     by_lower = {name.lower(): name for name in names}
-    found = difflib.get_close_matches(word.lower(), by_lower, n=1, cutoff=0.55)
+    # "energy" means kinetic_energy, although center_y is more like it
+    found = [name for name in by_lower if word.lower() in name.split("[")[0].split("_")]
+    found = found or difflib.get_close_matches(word.lower(), by_lower, n=1, cutoff=0.55)
     return by_lower[found[0]] if found else None
 
 

@@ -68,7 +68,7 @@ class Criteria:
         expression = Expression(plain, self._constants, tuple(sources))
         if not expression.variables:
             raise ValueError(f"'{text}' names no column, so that it never changes")
-        return Condition(text, expression, {name: sources[name] for name in sorted(expression.variables)})
+        return Condition(expression, {name: sources[name] for name in sorted(expression.variables)})
 
     def _column(self, name: str) -> Column:
         if name in self._columns:
@@ -86,10 +86,9 @@ class Criteria:
 
 
 class Condition:
-    """An expression of columns; ``text`` is as written."""
+    """An expression of columns."""
 
-    def __init__(self, text: str, expression: Any, sources: Mapping[str, Any]):
-        self.text = text
+    def __init__(self, expression: Any, sources: Mapping[str, Any]):
         self._expression, self._sources = expression, dict(sources)
 
     def is_true(self, snapshot: Snapshot, probes: Mapping[str, Any]) -> bool:

@@ -14,6 +14,7 @@ from mpmcli.core.compiled import runtime
 from mpmcli.core.compiled.kernel import Call
 from mpmcli.output.of_scene import check_output
 from mpmcli.run.compiling import Compilers
+from mpmcli.run.events import end_of
 from mpmcli.run.folder import default_folder, locked_folder, owned_folder, refuse_occupied
 from mpmcli.run.interrupts import Interrupted, Interrupts, exit_code_of, name_of
 from mpmcli.run.load import load
@@ -109,11 +110,13 @@ def run(
                 held.enter_context(locked_folder(directory))
                 checkpoint = last_checkpoint(directory)
                 refuse_changes(loaded, checkpoint)
-                if is_over(checkpoint.step, checkpoint.time, end, loaded.scene.time.max_steps):
+                ended = end_of(loaded.scene, checkpoint.part("events"))
+                if ended or is_over(checkpoint.step, checkpoint.time, end, loaded.scene.time.max_steps):
                     LOGGER.info(
-                        "the run is already complete: step %d, time %.6g", checkpoint.step, checkpoint.time
-                    )
-                    return Outcome(0, "finished", directory, checkpoint.step, checkpoint.time)
+                        "the run is already complete: step %d, time %.6g%s",
+                        checkpoint.step, checkpoint.time, f", {ended}" if ended else "",
+                    )  # fmt: skip
+                    return Outcome(0, ended or "finished", directory, checkpoint.step, checkpoint.time)
             with Compilers() as compilers:
                 if runtime.is_cold() and not dry_run:
                     compilers.start()

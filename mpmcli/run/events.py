@@ -39,10 +39,7 @@ class Events:
         self._state: State = simulation.state
         self._probes = probes_of(scene, simulation.state, context)
         self._unit = ""
-        events = list(scene.events or ())
-        if scene.time.stop_when is not None:
-            events.append(Event(name=STOP_WHEN, when=scene.time.stop_when, do="stop"))
-        self._watched = [_Watched(event, criteria) for event in events]
+        self._watched = [_Watched(event, criteria.read(event.when.condition)) for event in _events_of(scene)]
         self.ended = ""
 
     def look(self) -> None:
@@ -66,12 +63,11 @@ class Events:
             self._clocks[name].turn(RATES[event.do], state.time)
         LOGGER.info(
             "event '%s' in step %d, time %.6g (%s): %s of %s",
-            event.name, state.step, state.time, watched.condition.text, event.do, ", ".join(names),
+            event.name, state.step, state.time, event.when.condition, event.do, ", ".join(names),
         )  # fmt: skip
 
     def _end(self, watched: _Watched) -> None:
-        what = STOP_WHEN if watched.event.name == STOP_WHEN else f"event '{watched.event.name}'"
-        self.ended = self.ended or f"stopped by {what} ({watched.condition.text})"
+        self.ended = self.ended or watched.as_end()
 
     def facts(self) -> dict[str, Any]:
         """What the manifest says of what came true."""
@@ -90,19 +86,29 @@ class Events:
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Go on as then; a criterion of the end that was changed begins anew."""
         for watched in self._watched:
-            numbers = memory.get(watched.event.name)
-            if numbers is not None:
-                watched.recall(np.asarray(numbers))
-            if watched.fired is not None and watched.event.do == "stop":
+            if watched.recalls_end(memory):
                 self._end(watched)
 
 
-class _Watched:
-    """An event, how long its criterion has been true, and when it came true."""
+def end_of(scene: Any, memory: Mapping[str, Any]) -> str:
+    """Return how a criterion of the scene has ended the run of a checkpoint, in words; empty if none has."""
+    watched = [_Watched(event) for event in _events_of(scene)]
+    return next((w.as_end() for w in watched if w.recalls_end(memory)), "")
 
-    def __init__(self, event: Event, criteria: Criteria):
+
+def _events_of(scene: Any) -> list[Event]:
+    events = list(scene.events or ())
+    if scene.time.stop_when is not None:
+        events.append(Event(name=STOP_WHEN, when=scene.time.stop_when, do="stop"))
+    return events
+
+
+class _Watched:
+    """An event, how long its criterion has been true, and when it came true; to be evaluated it needs a condition."""
+
+    def __init__(self, event: Event, condition: Any = None):
         self.event = event
-        self.condition = criteria.read(event.when.condition)
+        self.condition = condition
         self.fired: Any = None
         self._since: float | None = None
 
@@ -131,6 +137,18 @@ class _Watched:
             return
         self._since = None if np.isnan(since) else since
         self.fired = None if np.isnan(step) else (int(step), time)
+
+    def recalls_end(self, memory: Mapping[str, Any]) -> bool:
+        """Take back what a checkpoint keeps of it, and return whether it has ended the run."""
+        numbers = memory.get(self.event.name)
+        if numbers is not None:
+            self.recall(np.asarray(numbers))
+        return self.fired is not None and self.event.do == "stop"
+
+    def as_end(self) -> str:
+        """Return the end of a run that it stops, in words."""
+        what = STOP_WHEN if self.event.name == STOP_WHEN else f"event '{self.event.name}'"
+        return f"stopped by {what} ({self.event.when.condition})"
 
     def _words(self) -> list[float]:
         """Return the criterion as numbers."""

@@ -40,6 +40,8 @@ class EnergyWatch:
         self._stretches = (
             scene is not None and _is_fluid(scene) and SHAPES[scene.method.shape].domain == "corners"
         )
+        contact = None if scene is None else scene.contact
+        self._lumps = contact is not None and contact.three_or_more != "coupled"
         self._balance = EnergyBalance()
         self._strikes = 0
         self._before = EARLY
@@ -63,7 +65,7 @@ class EnergyWatch:
             raise SimulationError(f"{self._found(error)}{self._advice()}")
         if error > max(WARN_AT, self._before) and not self._has_warned:
             self._has_warned = True
-            LOGGER.warning("%s; watch energy_error in globals.csv", self._found(error))
+            LOGGER.warning("%s%s; watch energy_error in globals.csv", self._found(error), self._of_contact())
         if state.step > 0:
             self._before = error
 
@@ -102,7 +104,16 @@ class EnergyWatch:
             "the total energy grows by spurious energy"
         )
 
+    def _of_contact(self) -> str:
+        """Say what creates momentum, and energy with it, where lumped contact does."""
+        view = self._simulation.state.contact
+        if not self._lumps or view is None or not np.any(view.momentum_error):
+            return ""
+        return ". Nodes of three or more bodies have created momentum; try contact.three_or_more: coupled"
+
     def _advice(self) -> str:
+        if words := self._of_contact():
+            return words
         describe = getattr(self._simulation, "describe_extreme", None)
         fastest = f"; {describe('fastest')}" if describe else ""
         if self._stretches:

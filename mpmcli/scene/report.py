@@ -267,6 +267,9 @@ def _owners_of_key(word: str, keys: list[str], model: type[BaseModel], loc: Sequ
     if len(word) > MAX_WORD or synonym(word, keys) is not None or not searches_are_left():
         return ""
     *before, kind = loc or ("",)
+    for own in _candidates(model, before):
+        if kind in _kinds(own) and word in _paths_of_sections(own):
+            return f"; did you mean '{_paths_of_sections(own)[word]}'?"
     owners = [c for c in _candidates(model, before) if word in c.model_fields]
     kinds = [str(name) for owner in owners for name in _kinds(owner)[:1]]
     if not 1 <= len(kinds) <= MAX_OWNERS or not any(kind in _kinds(c) for c in _candidates(model, before)):

@@ -28,3 +28,14 @@ def test_order_one_keeps_the_energy_of_a_vibrating_bar(start, courant):
     first = run.kinetic_energy
     run.to(398)
     assert max(run.to(402, lambda r: r.kinetic_energy)) / first == pytest.approx(1.0, abs=0.0015)
+
+
+@pytest.mark.parametrize(("update", "share"), [("usl", 1.0), ("usavg", 0.5), ("usf", 0.0)])
+def test_a_spinning_disk_grows_without_strain(start, update, share):
+    """F takes the gradient of the velocities that forces have turned, positions the mean of both: 2πωΔt per turn."""
+    grid = ("grid.cell=2", "grid.lower=[-16, -16]", "grid.upper=[16, 16]")
+    run = start("spinning_disk.yaml", "constants.omega=10", f"method.update={update}", *grid)
+    run.to(2 * np.pi / 10)
+    growth = np.sqrt(np.square(run.X).sum() / np.square(run.X0).sum()) - 1
+    assert growth == pytest.approx(share * 2 * np.pi * 10 * run.simulation.state.dt, abs=3e-3)
+    assert run.J.mean() == pytest.approx(1, abs=0.01)

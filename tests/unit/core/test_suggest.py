@@ -13,6 +13,11 @@ def test_nearest(word: str, expected: str | None) -> None:
     assert nearest(word, ["friction", "coulomb", "stick"]) == expected
 
 
+def test_a_name_that_holds_the_word_is_worth_more_than_one_that_looks_alike() -> None:
+    assert nearest("energy", ["center_y[ball]", "kinetic_energy", "heat_energy"]) == "kinetic_energy"
+    assert nearest("yield", ["field", "stress_yield[m]"]) == "stress_yield[m]"
+
+
 def test_words() -> None:
     assert did_you_mean("colomb", ["coulomb"]) == "; did you mean 'coulomb'?"
     assert did_you_mean("nothing", ["coulomb"]) == ""

@@ -127,6 +127,22 @@ def test_a_run_that_was_stopped_goes_on_without_its_criterion(tmp_path: Path) ->
     assert facts["ended"] == "finished"
 
 
+def test_a_run_that_its_criterion_stopped_is_complete(tmp_path: Path, capfd) -> None:
+    """Rows of the table are further apart than the steps, so that the last one is of the stop alone."""
+    text = scene(', stop_when: "time > 0.1"', ", checkpoint: {every: 10}").replace(
+        "every: 0.01", "every: 0.04"
+    )
+    first, _, _ = run(text, tmp_path / "a")
+    before = {path.name: path.read_bytes() for path in (tmp_path / "a").iterdir() if path.is_file()}
+    again = api.run(load_scene(text), tmp_path / "a", progress=False, resume=True, until=0.3)
+    assert (again.ended, again.steps, again.exit_code) == (first.ended, first.steps, 0)
+    assert (
+        f"the run is already complete: step {first.steps}, time 0.11, {first.ended}" in capfd.readouterr().err
+    )
+    after = {path.name: path.read_bytes() for path in (tmp_path / "a").iterdir() if path.is_file()}
+    assert after == before
+
+
 LOADED = """
 loads:
   - {name: push, kind: particle_force, on: {body: block}, force: [0, "t"]}

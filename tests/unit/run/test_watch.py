@@ -75,7 +75,8 @@ def method_of(**keys):
 
 def scene_of(material="neo_hookean", **keys):
     """What the watchdog reads of a scene."""
-    return SimpleNamespace(method=method_of(**keys), materials={"matter": MATERIALS[material]}, heat=None)
+    matter = {"matter": MATERIALS[material]}
+    return SimpleNamespace(method=method_of(**keys), materials=matter, heat=None, contact=None)
 
 
 LOSS = "more energy is lost than friction, damping, viscosity and plastic flow dissipate"
@@ -246,6 +247,27 @@ def test_spurious_energy_of_fluids_is_due_to_domains_that_stretch(loaded, simula
         state.particles.V *= 10.0
     state.step = 2 * EVERY
     with pytest.raises(SimulationError, match=advice):
+        watch.look()
+
+
+@pytest.mark.parametrize(
+    ("three_or_more", "created", "advises"),
+    [("lumped", 0.1, True), ("pairs", 0.1, True), ("lumped", 0.0, False), ("coupled", 0.1, False)],
+)
+def test_spurious_energy_of_lumped_contact_is_named(
+    loaded, simulation, caplog, three_or_more, created, advises
+):
+    made, scene = simulation(loaded), scene_of()
+    scene.contact = SimpleNamespace(three_or_more=three_or_more)
+    watch, state = EnergyWatch(made, scene), made.state
+    state.contact = SimpleNamespace(momentum_error=np.array([0.0, created]))
+    for look in (0, 1):
+        state.step = look * EVERY
+        watch.look()
+        state.particles.V *= 10.0
+    assert ("contact.three_or_more: coupled" in caplog.text) == advises
+    state.step = 2 * EVERY
+    with pytest.raises(SimulationError, match="contact.three_or_more" if advises else "half of time.courant"):
         watch.look()
 
 

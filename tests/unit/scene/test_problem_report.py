@@ -86,6 +86,13 @@ def test_values_in_messages() -> None:
             " (allowed: name, from, until, kind, acceleration)",
         ),
         (["grid.dt=1"], "; did you mean 'time.step'?"),
+        (
+            [
+                "materials.rubber={kind: j2_plastic, density: 1, E: 1, nu: 0, yield_stress: 1}",
+                "materials.rubber.hardening={kind: linear, yield_stress: 1}",
+            ],
+            "; did you mean 'hardening.yield_stress'?",
+        ),
     ],
 )
 def test_a_hint_names_no_key_of_another_section_to_members(sets: list[str], hint: str) -> None:
