@@ -27,8 +27,7 @@ CHUNK = 1 << 12
 def outward_normals(contains: Callable[[Array], Array], X: Array, grid: Grid) -> Array:
     """Find the normals and curvatures of the surface near points.
 
-    Sides of the grid and symmetry planes are no surface: behind them matter goes on as its mirror image, or around a
-    periodic axis.
+    Sides of the grid and symmetry planes are no surface: behind them matter goes on as its mirror image.
 
     Parameters
     ----------
@@ -49,10 +48,9 @@ def outward_normals(contains: Callable[[Array], Array], X: Array, grid: Grid) ->
         folded = points.reshape(len(points), -1).copy()
         for a, x in enumerate(folded):
             low, high = lower[a], upper[a]
-            if a in grid.periodic:
-                x[:] = low + (x - low) % (high - low)
-            else:
-                x[:] = np.where(x < low, 2.0 * low - x, np.where(x > high, 2.0 * high - x, x))
+            beyond = (x < low) | (x > high)
+            beside = (x[beyond] - low) % (2.0 * (high - low))  # thin grids are mirrored more than once
+            x[beyond] = low + np.minimum(beside, 2.0 * (high - low) - beside)
         return contains(folded).reshape(points.shape[1:])
 
     found = np.zeros((len(X) + 1, X.shape[1]))

@@ -9,8 +9,8 @@ from mpmcli.geometry import REGIONS
 from mpmcli.geometry.outward import REACH, outward_normals
 
 
-def grid_of(d, low=-12.0, high=12.0, periodic=()):
-    return Grid(np.full(d, low), np.full(d, high), np.ones(d), 2, 2, fields=1, periodic=periodic)
+def grid_of(d, low=-12.0, high=12.0):
+    return Grid(np.full(d, low), np.full(d, high), np.ones(d), 2, 2, fields=1)
 
 
 def found(region, grid):
@@ -59,14 +59,25 @@ def test_planes_are_exact(normal):
     np.testing.assert_allclose(curvature[seen], 0.0, atol=1e-5)
 
 
-@pytest.mark.parametrize("periodic", [(), (0,)])
-def test_sides_of_the_grid_are_no_surface(periodic):
+def test_sides_of_the_grid_are_no_surface():
     """A floor from side to side has one normal, also where a side is nearer than the surface."""
-    grid = grid_of(2, periodic=periodic)
+    grid = grid_of(2)
     X, n, _ = found({"kind": "box", "lower": [-12, -12], "upper": [12, 0]}, grid)
     top = X[1] > -2.0
     np.testing.assert_allclose(n[:, top], np.array([[0.0], [1.0]]) + 0 * X[:, top], atol=1e-7)
     assert not n[:, X[1] < -REACH].any()
+
+
+@pytest.mark.parametrize("thickness", [1.0, 2.0])
+def test_a_slice_has_no_surface_at_its_sides(thickness):
+    """A floor of one or two cells between two sides of the grid, each nearer than normals are sought."""
+    grid = Grid(np.full(3, 0.0), np.array([4.0, 6.0, thickness]), np.ones(3), 2, 2, fields=1)
+    region = REGIONS["box"].model_validate({"kind": "box", "lower": [0, 0, 0], "upper": [4, 4, thickness]})
+    axes = (np.arange(0.25, 4.0, 0.5), np.arange(0.25, 4.0, 0.5), np.arange(0.25, thickness, 0.5))
+    X = np.stack(np.meshgrid(*axes, indexing="ij")).reshape(3, -1)
+    n = outward_normals(region.contains, X, grid)[:3]
+    np.testing.assert_allclose(n[:, X[1] > 2.0], [[0.0], [1.0], [0.0]] + 0 * X[:, X[1] > 2.0], atol=1e-7)
+    assert not n[:, X[1] < 4.0 - REACH].any()
 
 
 def test_symmetry_planes_within_the_grid_are_no_surface():
