@@ -283,8 +283,8 @@ def _set_outward_normals(scene: Any, plan: Plan, particles: Particles, grid: Gri
     particles.outward = np.zeros((scene.dimensions + 1, particles.count))
     fields, rigid = plan.field_of_body, rigid_bodies_of(scene)
     for i in rigid:
-        motion = scene.bodies[i].velocity
-        alike = [j for j in rigid if fields[j] == fields[i] or scene.bodies[j].velocity == motion]
+        motion = scene.bodies[i].motion
+        alike = [j for j in rigid if fields[j] == fields[i] or scene.bodies[j].motion == motion]
         one_surface = [(scene.bodies[j], _cut_from(scene, j)) for j in alike]
 
         def contains(points: Array, parts: list[Any] = one_surface) -> Array:
