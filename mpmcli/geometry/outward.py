@@ -18,6 +18,8 @@ ALONG = np.arange(-1.0, REACH + 0.6, 0.5)
 """Places along a ray between which the surface is searched for [cells]."""
 CHORD = 0.4
 """Distance from a particle of the rays whose hits span the surface [cells]."""
+FARTHEST = float(ALONG[-1]) + CHORD
+"""Along an axis, no point farther from a particle is tested for matter [cells]."""
 HALVINGS = (8, 8, 24)
 """How often the piece of a ray with a hit is halved, in each round that makes normals better."""
 CHUNK = 1 << 12

@@ -7,6 +7,7 @@ from mpmcli.contact.neighbours import allocate_neighbours
 from mpmcli.contact.normals.gradients import rigid_surface
 from mpmcli.core.errors import SceneError
 from mpmcli.explain.facts import explain
+from mpmcli.geometry.sphere import Sphere
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.plan import make_plan
 from mpmcli.solver.setup import make_grid, make_particles
@@ -194,6 +195,25 @@ def test_what_other_bodies_take_of_a_rigid_body_is_no_part_of_it(later):
     wall = (p.body == (1 if later == "mould" else 0)) & (r < 5.0)
     assert wall.sum() > 80
     np.testing.assert_allclose(p.outward[:2, wall], -(p.X / r)[:, wall], atol=0.01)
+
+
+def test_bodies_far_away_are_not_searched_for_a_surface(monkeypatch):
+    """The work for many grains grows with their number, not with its square."""
+    inside, farthest = Sphere._inside, []
+
+    def watched(self, points):
+        farthest.append(np.abs(points - np.array(self.center)[:, None]).max())
+        return inside(self, points)
+
+    monkeypatch.setattr(Sphere, "_inside", watched)
+    grains = [
+        f"  - {{name: g{i}, material: steel, region: {{kind: disk, center: [{x}, {y}], radius: 1}}}}\n"
+        for i, (x, y) in enumerate([(-6, -6), (6, -6), (-6, 0), (6, 0)])
+    ]
+    block = "  - {name: block, material: soft, region: {kind: box, lower: [-2, 5], upper: [2, 7]}}\n"
+    p = particles_with(block + "".join(grains))
+    assert all(p.outward[:2, p.body == i].any() for i in (1, 2, 3, 4))
+    assert max(farthest) < 1 + 3.5 + 0.1
 
 
 def problems_of(*changes):
