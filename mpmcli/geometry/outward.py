@@ -18,7 +18,11 @@ ALONG = np.arange(-1.0, REACH + 0.6, 0.5)
 """Places along a ray between which the surface is searched for [cells]."""
 CHORD = 0.4
 """Distance from a particle of the rays whose hits span the surface [cells]."""
-FARTHEST = float(ALONG[-1]) + CHORD
+CHORDS = (0.5, 1.0, 1.5)
+"""Distances of the outer ones of several rays where the border has steps, round by round [cells]."""
+RAYS = 9
+"""The number of these rays."""
+FARTHEST = float(ALONG[-1]) + CHORDS[-1]
 """Along an axis, no point farther from a particle is tested for matter [cells]."""
 HALVINGS = (8, 8, 24)
 """How often the piece of a ray with a hit is halved, in each round that makes normals better."""
@@ -26,7 +30,7 @@ CHUNK = 1 << 12
 """Particles at a time."""
 
 
-def outward_normals(contains: Callable[[Array], Array], X: Array, grid: Grid) -> Array:
+def outward_normals(contains: Callable[[Array], Array], X: Array, grid: Grid, step: float = 0.0) -> Array:
     """Find the normals and curvatures of the surface near points.
 
     Sides of the grid and symmetry planes are no surface: behind them matter goes on as its mirror image.
@@ -36,6 +40,7 @@ def outward_normals(contains: Callable[[Array], Array], X: Array, grid: Grid) ->
     contains : tells which of the points (d, n) are inside
     X : (d, N) points inside [length]
     grid : the grid, whose cells say what is near
+    step : size of the steps with which the border follows the surface [length]; larger ones than cells are surfaces
 
     Returns
     -------
@@ -58,11 +63,11 @@ def outward_normals(contains: Callable[[Array], Array], X: Array, grid: Grid) ->
     found = np.zeros((len(X) + 1, X.shape[1]))
     for begin in range(0, X.shape[1], CHUNK):
         part = slice(begin, begin + CHUNK)
-        found[:, part] = _of_chunk(is_matter, X[:, part], grid.cell)
+        found[:, part] = _of_chunk(is_matter, X[:, part], grid.cell, step)
     return found
 
 
-def _of_chunk(is_matter: Callable[[Array], Array], X: Array, cell: Array) -> Array:
+def _of_chunk(is_matter: Callable[[Array], Array], X: Array, cell: Array, step: float) -> Array:
     """Find them for a few points: first away from where matter is missing, then across the hits of rays."""
     d, h = len(X), float(cell.max())
     ways = _ways(d)
@@ -74,8 +79,12 @@ def _of_chunk(is_matter: Callable[[Array], Array], X: Array, cell: Array) -> Arr
     near = np.flatnonzero(n.any(axis=0))
     n, X = n[:, near], X[:, near]
     curvature = np.zeros(len(near))
-    for halvings in HALVINGS if d > 1 else ():
-        n, curvature = _across_hits(is_matter, X, n, h, CHORD * float(cell.min()), halvings)
+    if d == 2 and 0.0 < step < h:
+        for chord in CHORDS:  # where a longer one passes the matter, the shorter one counts
+            n, curvature = _along_steps(is_matter, X, n, h, chord * float(cell.min()), curvature)
+    else:
+        for halvings in HALVINGS if d > 1 else ():
+            n, curvature = _across_hits(is_matter, X, n, h, CHORD * float(cell.min()), halvings)
     found[:d, near] = n
     found[d, near] = np.clip(curvature, -1.0 / h, 1.0 / h)
     return found
@@ -113,6 +122,20 @@ def _across_hits(
     curvature = of_surface / np.maximum(1.0 - of_surface * depth[:, 0], 0.1)
     known = leaves.all(axis=1)
     return np.where(known, across, n), np.where(known, curvature, 0.0)
+
+
+def _along_steps(
+    is_matter: Callable[[Array], Array], X: Array, n: Array, h: float, chord: float, curvature: Array
+) -> tuple[Array, Array]:
+    """Better normals than ``n`` (2, n), and curvatures, of the parabolas nearest to where rays leave the matter."""
+    t, beside = perpendicular(n)[0], np.linspace(-chord, chord, RAYS)
+    starts = X[:, :, None] + t[:, :, None] * beside
+    depth, leaves = _leave(is_matter, starts, n[:, :, None], h, HALVINGS[-1])
+    height, slope, bend = np.linalg.pinv(np.vander(beside, 3, increasing=True)) @ depth.T
+    of_surface = -2.0 * bend / (1.0 + slope**2) ** 1.5
+    at_point = of_surface / np.maximum(1.0 - of_surface * height, 0.1)
+    known = leaves.all(axis=1)
+    return np.where(known, unit_vectors(n - slope * t), n), np.where(known, at_point, curvature)
 
 
 def _leave(

@@ -306,7 +306,8 @@ def _set_outward_normals(scene: Any, plan: Plan, particles: Particles, grid: Gri
                 inside |= matter
             return inside
 
-        particles.outward[:, mine] = outward_normals(contains, X, grid)
+        step = max(region.step() for part, cuts in one_surface for region in (part, *cuts))
+        particles.outward[:, mine] = outward_normals(contains, X, grid, step)
 
 
 def _cutters_of(scene: Any, i: int) -> list[int]:

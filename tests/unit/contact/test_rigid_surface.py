@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from mpmcli.contact.neighbours import allocate_neighbours
 from mpmcli.contact.normals.gradients import rigid_surface
 from mpmcli.core.errors import SceneError
 from mpmcli.explain.facts import explain
+from mpmcli.geometry.outward import FARTHEST
 from mpmcli.geometry.sphere import Sphere
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.plan import make_plan
@@ -197,6 +199,24 @@ def test_what_other_bodies_take_of_a_rigid_body_is_no_part_of_it(later):
     np.testing.assert_allclose(p.outward[:2, wall], -(p.X / r)[:, wall], atol=0.01)
 
 
+def test_pictures_have_the_surface_that_their_pixels_follow(tmp_path, monkeypatch):
+    """A disk drawn with pixels of a fifth of a cell, with a hole taken by another region."""
+    x = np.arange(-7.9, 8, 0.2)
+    picture = np.where(x**2 + x[:, None] ** 2 < 36, 255, 0).astype(np.uint8)
+    monkeypatch.chdir(tmp_path)
+    Image.fromarray(picture).save("disk.png")
+    disk = "{kind: bitmap, file: disk.png, levels: [128, 255], origin: [-8, -8], pixel: 0.2}"
+    hole = "{kind: box, lower: [-1, -1], upper: [1, 1]}"
+    p = particles_with(
+        "  - {name: block, material: soft, region: {kind: box, lower: [-2, 6.5], upper: [2, 8]}}\n"
+        f"  - {{name: disk, material: steel, region: {{kind: difference, region: {disk}, subtract: [{hole}]}}}}\n"
+    )
+    r = np.linalg.norm(p.X, axis=0)
+    outer = (p.body == 1) & (r > 4.8)
+    cosine = ((p.X / r) * p.outward[:2])[:, outer].sum(axis=0)
+    assert np.degrees(np.arccos(cosine)).max() < 5
+
+
 def test_bodies_far_away_are_not_searched_for_a_surface(monkeypatch):
     """The work for many grains grows with their number, not with its square."""
     inside, farthest = Sphere._inside, []
@@ -208,12 +228,12 @@ def test_bodies_far_away_are_not_searched_for_a_surface(monkeypatch):
     monkeypatch.setattr(Sphere, "_inside", watched)
     grains = [
         f"  - {{name: g{i}, material: steel, region: {{kind: disk, center: [{x}, {y}], radius: 1}}}}\n"
-        for i, (x, y) in enumerate([(-6, -6), (6, -6), (-6, 0), (6, 0)])
+        for i, (x, y) in enumerate([(-6, -6), (6, -6), (-6, 2), (6, 2)])
     ]
     block = "  - {name: block, material: soft, region: {kind: box, lower: [-2, 5], upper: [2, 7]}}\n"
     p = particles_with(block + "".join(grains))
     assert all(p.outward[:2, p.body == i].any() for i in (1, 2, 3, 4))
-    assert max(farthest) < 1 + 3.5 + 0.1
+    assert max(farthest) < 1 + FARTHEST
 
 
 def problems_of(*changes):

@@ -104,6 +104,32 @@ def test_normals_are_carried_by_any_motion():
     assert carried_normals(np.array([[-1.0]]), np.array([[0.3]]), 0.1, lambda x: 2 * x) == -1.0
 
 
+@pytest.mark.parametrize("pixel", [0.1, 0.25])
+def test_pixels_are_no_surface(pixel):
+    """A disk of pixels has the normals of a disk, a box of pixels those of a box, with its corners."""
+    grid = grid_of(2)
+    x = np.arange(-11.75, 12.0, 0.5)
+    X = np.stack(np.meshgrid(x, x, indexing="ij")).reshape(2, -1)
+    for kind, keys in (
+        ("disk", {"center": [0.13, 0.21], "radius": 6}),
+        ("box", {"lower": [-6, -3], "upper": [6, 3]}),
+    ):
+        region = REGIONS[kind].model_validate({"kind": kind} | keys)
+
+        def contains(points, region=region):
+            return region.contains((np.floor(points / pixel) + 0.5) * pixel)
+
+        outer = contains(X) & ~region.contains(X * 1.2)
+        rough, smooth = (
+            outward_normals(inside, X[:, outer], grid, step)
+            for inside, step in ((contains, pixel), (region.contains, 0.0))
+        )
+        assert outer.sum() > 60
+        angle = np.degrees(np.arccos(np.clip((rough[:2] * smooth[:2]).sum(axis=0), -1.0, 1.0)))
+        assert angle.max() < (6 if kind == "disk" else 1e-4)
+        assert np.sqrt(np.mean((rough[2] - smooth[2]) ** 2)) < 0.1
+
+
 def test_seams_are_no_surface():
     halves = [{"kind": "box", "lower": [x, -6], "upper": [x + 6, 0]} for x in (-6, 0)]
     X, n, _ = found({"kind": "union", "regions": halves}, grid_of(2))
