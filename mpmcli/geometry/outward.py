@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from mpmcli.core.directions import normal_across, perpendicular, unit_vectors
+from mpmcli.core.directions import perpendicular, unit_vectors
 from mpmcli.core.grid import Grid
 
 Array = np.ndarray
@@ -107,21 +107,27 @@ def _across_hits(
 ) -> tuple[Array, Array]:
     """Better normals than ``n`` (d, n), and curvatures, from where rays along ``n`` leave the matter.
 
-    One ray begins at the point, two beside it along each direction across ``n``. The normal is across the chords
-    between the latter's hits, the curvature that of the circle through three hits.
+    One ray begins at the point, two beside it along each direction across ``n``: in the plane its tangent, in space the
+    axes' projections p, which turn with the axes, and whose sum of p pᵀ is the identity across ``n``. Differences of
+    the hits' depths give the slopes of the surface along each, and the curvatures of circles through three hits.
     """
-    d = len(X)
-    beside = [s * chord * t for t in perpendicular(n) for s in (-1.0, 1.0)]
-    starts = np.stack([X + each for each in (0.0, *beside)], axis=2)
+    across = (
+        perpendicular(n) if len(X) == 2 else [e[:, None] - n * n[a] for a, e in enumerate(np.eye(len(X)))]
+    )
+    starts = np.stack(
+        [X + each for each in (0.0, *(s * chord * p for p in across for s in (-1.0, 1.0)))], axis=2
+    )
     depth, leaves = _leave(is_matter, starts, n[:, :, None], h, halvings)
-    hits = starts + n[:, :, None] * depth
-    across = normal_across([hits[:, :, 2 * k + 2] - hits[:, :, 2 * k + 1] for k in range(d - 1)])
-    across *= np.where((across * n).sum(axis=0) < 0.0, -1.0, 1.0)
-    sagitta = depth[:, 0] - depth[:, 1:].mean(axis=1)
-    of_surface = 2.0 * sagitta / (chord**2 + sagitta**2)
+    better, of_surface = n.copy(), np.zeros(X.shape[1])
+    for k, p in enumerate(across):
+        before, after = depth[:, 2 * k + 1], depth[:, 2 * k + 2]
+        better -= p * ((after - before) / (2.0 * chord))
+        sagitta = depth[:, 0] - 0.5 * (before + after)
+        of_surface += 2.0 * sagitta / (chord**2 + sagitta**2 / np.maximum((p**2).sum(axis=0), 1e-30))
+    of_surface /= len(X) - 1
     curvature = of_surface / np.maximum(1.0 - of_surface * depth[:, 0], 0.1)
     known = leaves.all(axis=1)
-    return np.where(known, across, n), np.where(known, curvature, 0.0)
+    return np.where(known, unit_vectors(better), n), np.where(known, curvature, 0.0)
 
 
 def _along_steps(

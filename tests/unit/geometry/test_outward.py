@@ -147,6 +147,23 @@ def test_corner_of_a_box_is_symmetric():
         np.testing.assert_allclose(at[-x, y], v * [-1.0, 1.0], atol=1e-7)
 
 
+def test_corners_of_a_cube_are_symmetric():
+    region = REGIONS["box"].model_validate({"kind": "box", "lower": [-6] * 3, "upper": [6] * 3})
+    depth = np.array([0.25, 0.75, 1.25])
+    n = outward_normals(region.contains, np.tile(6.0 - depth, (3, 1)), grid_of(3))[:3]
+    np.testing.assert_allclose(n, np.full((3, 3), np.sqrt(1 / 3)), atol=1e-7)
+
+
+def test_exchanged_axes_exchange_normals():
+    """In space the directions of rays across a normal go with the axes: a turned scene has the turned surface."""
+    X, n, curvature = found({"kind": "ellipsoid", "center": [0, 0, 0], "semi_axes": [5, 6.5, 8]}, grid_of(3))
+    Y, m, other = found({"kind": "ellipsoid", "center": [0, 0, 0], "semi_axes": [6.5, 8, 5]}, grid_of(3))
+    one, two = np.lexsort(X[[1, 2, 0]]), np.lexsort(Y)
+    np.testing.assert_array_equal(X[[1, 2, 0]][:, one], Y[:, two])
+    np.testing.assert_allclose(n[[1, 2, 0]][:, one], m[:, two], atol=1e-9)
+    np.testing.assert_allclose(curvature[one], other[two], atol=1e-9)
+
+
 def test_thin_plates_have_two_surfaces():
     X, n, _ = found({"kind": "box", "lower": [-12, 0], "upper": [12, 1]}, grid_of(2))
     np.testing.assert_allclose(n[1], np.where(X[1] > 0.5, 1.0, -1.0), atol=1e-7)
