@@ -47,10 +47,11 @@ class RigidBodies:
         self._is_rigid[[field_of_body[i] for i in rigid]] = True
         self._moving = [(i, bodies[i].velocity) for i in rigid if bodies[i].velocity]
         self._turns = any(_depends_on_place(velocity) for _, velocity in self._moving)
-        self._outward: Any = None
         self._of_fields = _velocities_of_fields(bodies, rigid, field_of_body)
         self._version = self._dofs_version = self._nodes_version = -1
         self._places: list[Array] = []
+        self._beneath: list[Array] = []
+        self._turned: list[tuple[Array, Array]] = []
         self._nodes: list[tuple[str, Array, Array, Any]] = []
         self._on_nodes = self.held
         self._pairs: Any = None
@@ -78,24 +79,27 @@ class RigidBodies:
             self._still = np.flatnonzero(np.isin(p.body, self._rigid))
             bodies = p.body[self._still]
             self._places = [np.flatnonzero(bodies == i) for i, _ in self._moving]
+            self._beneath = [] if p.outward is None or not self._turns else self._find_turning(p.outward)
         self._X = p.X[:, self._still]
         self._V = np.zeros_like(self._X)
-        if p.outward is not None and self._turns:
-            self._outward = p.outward[:, self._still]
+        self._turned = []
+        for beneath, (i, velocity) in zip(self._beneath, self._moving, strict=False):
+            moved = partial(_moved, velocity, time=time, dt=dt, name=self._bodies[i].name)
+            n, X = p.outward[:-1, beneath], p.X[:, beneath]  # type: ignore[index]
+            self._turned.append((beneath, carried_normals(n, X, self._arm, moved)))
         for places, (i, velocity) in zip(self._places, self._moving, strict=True):
             name = self._bodies[i].name
-            start = self._X[:, places]
-            end = _moved(velocity, start, time, dt, name)
+            end = _moved(velocity, self._X[:, places], time, dt, name)
             self._X[:, places] = end
-            if self._outward is not None and _depends_on_place(velocity):
-                self._turn(places, start, partial(_moved, velocity, time=time, dt=dt, name=name))
             self._V[:, places] = velocity_at(velocity, end, time + dt, name)
 
-    def _turn(self, places: Array, X: Array, moved: Callable[[Array], Array]) -> None:
-        """Let the normals of particles at ``X`` (d, n) follow the surface as it moves."""
-        known = self._outward[:-1, places].any(axis=0)
-        some = places[known]
-        self._outward[:-1, some] = carried_normals(self._outward[:-1, some], X[:, known], self._arm, moved)
+    def _find_turning(self, outward: Array) -> list[Array]:
+        """Particles of each moving body that have a normal which may turn with it; most lie too deep to have one."""
+        known = np.abs(outward[:-1, self._still]).sum(axis=0) > 0.0
+        return [
+            self._still[places[known[places] & _depends_on_place(velocity)]]
+            for places, (_, velocity) in zip(self._places, self._moving, strict=True)
+        ]
 
     def hold(self, step: Step, mp: Array) -> None:
         """Give the momenta ``mp`` (dofs, 1 + d) of a moving body's nodes its velocity at their places.
@@ -127,8 +131,8 @@ class RigidBodies:
     def move(self, X: Array) -> None:
         """Put positions ``X`` (d, N), velocities and surface normals of rigid particles to the end of the step."""
         V = self._particles.V
-        if self._outward is not None:
-            self._particles.outward[:, self._still] = self._outward  # type: ignore[index]
+        for beneath, normals in self._turned:
+            self._particles.outward[:-1, beneath] = normals  # type: ignore[index]
         self._order.drift += put_back(self._still, self._X, self._V, X, V, 1.0 / self._grid.cell)
 
 

@@ -191,6 +191,10 @@ class Region(Model):
             for place, words in self.rotate.misfits(d):
                 yield ("rotate", *place), words
 
+    def step(self) -> float:
+        """Size of the steps with which its border follows a smooth surface [length]; 0 where it has none."""
+        return 0.0
+
     def files(self) -> list[str]:
         """Names of the files that the region reads, as the scene writes them."""
         return []

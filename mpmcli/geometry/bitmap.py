@@ -146,6 +146,9 @@ class Bitmap(Region):
         middle = [np.average(np.arange(len(count)) + 0.5, weights=count) for count in (in_columns, in_rows)]
         return np.array(self.origin) + self._pixel_size() * middle
 
+    def step(self) -> float:
+        return float(self._pixel_size().max())
+
     def files(self) -> list[str]:
         return [self.file]
 

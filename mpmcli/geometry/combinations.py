@@ -38,6 +38,9 @@ class Combination(Region):
             for inner, words in member.misfits(d):
                 yield (*place, *inner), words
 
+    def step(self) -> float:
+        return max(member.step() for _, member in self.members())
+
     def files(self) -> list[str]:
         return [name for _, member in self.members() for name in member.files()]
 

@@ -231,10 +231,8 @@ def _check_shared_motion(
     field = next((member.field for member in fields.members if member.name == body.name), None)
     if field is None:
         return
-    motion = tuple(c.source if c.variables else float(c()) for c in body.velocity)
-    motion = motion if any(motion) else ()
-    name, other = moves.setdefault(field, (body.name, motion))
-    if other != motion:
+    name, other = moves.setdefault(field, (body.name, body.motion))
+    if other != body.motion:
         words = (
             f"differs from the motion of '{name}' in the same velocity field '{field}'; "
             "near each other, their velocities are averaged"

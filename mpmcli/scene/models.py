@@ -183,6 +183,12 @@ class Body(Model):
     field: Name | None = None
     """Name of its velocity field in contact of bodies; bodies that name the same one move together."""
 
+    @property
+    def motion(self) -> tuple[float | str, ...]:
+        """Velocity of a rigid body in numbers and words; nothing at rest, however the scene says so."""
+        motion = tuple(component.as_number_or_text() for component in self.velocity)
+        return motion if any(motion) else ()
+
 
 class Domain(Model):
     """The space of the simulation."""

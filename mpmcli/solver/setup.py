@@ -278,35 +278,45 @@ def _set_initial_gradients(scene: Any, particles: Particles) -> None:
 
 def _set_outward_normals(scene: Any, plan: Plan, particles: Particles, grid: Grid) -> None:
     """Normals of the surfaces of rigid bodies; those that share a velocity field or move alike have one surface."""
-    from mpmcli.geometry.outward import outward_normals
+    from mpmcli.geometry.outward import FARTHEST, outward_normals
 
     particles.outward = np.zeros((scene.dimensions + 1, particles.count))
     fields, rigid = plan.field_of_body, rigid_bodies_of(scene)
+    bounds = [body.region.bounds(scene.dimensions) for body in scene.bodies]
     for i in rigid:
-        motion = scene.bodies[i].velocity
-        alike = [j for j in rigid if fields[j] == fields[i] or scene.bodies[j].velocity == motion]
-        one_surface = [(scene.bodies[j], _cut_from(scene, j)) for j in alike]
+        mine = np.flatnonzero(particles.body == i)
+        X = particles.X[:, mine]
+        reach = FARTHEST * grid.cell.max()
+        low, high = X.min(axis=1) - reach, X.max(axis=1) + reach
+        near = [bool(((lower <= high) & (upper >= low)).all()) for lower, upper in bounds]
+        motion = scene.bodies[i].motion
+        alike = [j for j in rigid if fields[j] == fields[i] or scene.bodies[j].motion == motion]
+        one_surface = [
+            (scene.bodies[j].region, [scene.bodies[k].region for k in _cutters_of(scene, j) if near[k]])
+            for j in alike
+            if near[j]
+        ]
 
         def contains(points: Array, parts: list[Any] = one_surface) -> Array:
             inside = np.zeros(points.shape[1], dtype=bool)
-            for body, cuts in parts:
-                mine = body.region.contains(points)
+            for region, cuts in parts:
+                matter = region.contains(points)
                 for cut in cuts:
-                    mine[mine] = ~cut.contains(points[:, mine])
-                inside |= mine
+                    matter[matter] = ~cut.contains(points[:, matter])
+                inside |= matter
             return inside
 
-        mine = np.flatnonzero(particles.body == i)
-        particles.outward[:, mine] = outward_normals(contains, particles.X[:, mine], grid)
+        step = max(region.step() for part, cuts in one_surface for region in (part, *cuts))
+        particles.outward[:, mine] = outward_normals(contains, X, grid, step)
 
 
-def _cut_from(scene: Any, i: int) -> list[Any]:
-    """Regions of the bodies that take places from body ``i``, as ``settle_overlaps`` does."""
-    body, apart = scene.bodies[i], covering(scene.boundary)
-    earlier = scene.bodies[:i] if body.overlap == "keep" else ()
-    later = [other for other in scene.bodies[i + 1 :] if other.overlap == "replace"]
-    others = [other for other in (*earlier, *later) if other.name not in apart and body.name not in apart]
-    return [other.region for other in others if not other.region.gives_particles]
+def _cutters_of(scene: Any, i: int) -> list[int]:
+    """Bodies whose regions take places from body ``i``, as ``settle_overlaps`` does."""
+    bodies, apart = scene.bodies, covering(scene.boundary)
+    earlier = range(i) if bodies[i].overlap == "keep" else ()
+    later = [j for j in range(i + 1, len(bodies)) if bodies[j].overlap == "replace"]
+    others = [j for j in (*earlier, *later) if bodies[j].name not in apart and bodies[i].name not in apart]
+    return [j for j in others if not bodies[j].region.gives_particles]
 
 
 def _point(X: Array) -> tuple[Any, ...]:

@@ -2,11 +2,14 @@
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from mpmcli.contact.neighbours import allocate_neighbours
 from mpmcli.contact.normals.gradients import rigid_surface
 from mpmcli.core.errors import SceneError
 from mpmcli.explain.facts import explain
+from mpmcli.geometry.outward import FARTHEST
+from mpmcli.geometry.sphere import Sphere
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.plan import make_plan
 from mpmcli.solver.setup import make_grid, make_particles
@@ -159,9 +162,15 @@ def particles_with(bodies):
 
 
 @pytest.mark.parametrize(
-    "speeds", [("", ""), (", velocity: [0, t]", ", velocity: [0, t]"), ("", ", velocity: [0, 1]")]
+    ("speeds", "is_alike"),
+    [
+        (("", ""), True),
+        ((", velocity: [0, t]", ", velocity: [0, t]"), True),
+        (("", ", velocity: [0, 0]"), True),
+        (("", ", velocity: [0, 1]"), False),
+    ],
 )
-def test_a_floor_has_no_edge_at_a_wall_that_moves_alike(speeds):
+def test_a_floor_has_no_edge_at_a_wall_that_moves_alike(speeds, is_alike):
     """In fields of their own; the floor ends where the wall begins. A piston keeps its edge."""
     p = particles_with(
         "  - {name: block, material: soft, region: {kind: box, lower: [0, 0], upper: [4, 4]}}\n"
@@ -169,7 +178,7 @@ def test_a_floor_has_no_edge_at_a_wall_that_moves_alike(speeds):
         f"  - {{name: wall, material: steel, region: {{kind: box, lower: [-3, -3], upper: [0, 5]}}{speeds[1]}}}\n"
     )
     edge = (p.body == 1) & (p.X[1] > -0.5) & (p.X[0] < 0.5)
-    n = np.array([0.0, 1.0]) if speeds[0] == speeds[1] else np.array([-1.0, 1.0]) / np.sqrt(2.0)
+    n = np.array([0.0, 1.0]) if is_alike else np.array([-1.0, 1.0]) / np.sqrt(2.0)
     assert (n @ p.outward[:2, edge]).min() > 0.95
 
 
@@ -188,6 +197,43 @@ def test_what_other_bodies_take_of_a_rigid_body_is_no_part_of_it(later):
     wall = (p.body == (1 if later == "mould" else 0)) & (r < 5.0)
     assert wall.sum() > 80
     np.testing.assert_allclose(p.outward[:2, wall], -(p.X / r)[:, wall], atol=0.01)
+
+
+def test_pictures_have_the_surface_that_their_pixels_follow(tmp_path, monkeypatch):
+    """A disk drawn with pixels of a fifth of a cell, with a hole taken by another region."""
+    x = np.arange(-7.9, 8, 0.2)
+    picture = np.where(x**2 + x[:, None] ** 2 < 36, 255, 0).astype(np.uint8)
+    monkeypatch.chdir(tmp_path)
+    Image.fromarray(picture).save("disk.png")
+    disk = "{kind: bitmap, file: disk.png, levels: [128, 255], origin: [-8, -8], pixel: 0.2}"
+    hole = "{kind: box, lower: [-1, -1], upper: [1, 1]}"
+    p = particles_with(
+        "  - {name: block, material: soft, region: {kind: box, lower: [-2, 6.5], upper: [2, 8]}}\n"
+        f"  - {{name: disk, material: steel, region: {{kind: difference, region: {disk}, subtract: [{hole}]}}}}\n"
+    )
+    r = np.linalg.norm(p.X, axis=0)
+    outer = (p.body == 1) & (r > 4.8)
+    cosine = ((p.X / r) * p.outward[:2])[:, outer].sum(axis=0)
+    assert np.degrees(np.arccos(cosine)).max() < 5
+
+
+def test_bodies_far_away_are_not_searched_for_a_surface(monkeypatch):
+    """The work for many grains grows with their number, not with its square."""
+    inside, farthest = Sphere._inside, []
+
+    def watched(self, points):
+        farthest.append(np.abs(points - np.array(self.center)[:, None]).max())
+        return inside(self, points)
+
+    monkeypatch.setattr(Sphere, "_inside", watched)
+    grains = [
+        f"  - {{name: g{i}, material: steel, region: {{kind: disk, center: [{x}, {y}], radius: 1}}}}\n"
+        for i, (x, y) in enumerate([(-6, -6), (6, -6), (-6, 2), (6, 2)])
+    ]
+    block = "  - {name: block, material: soft, region: {kind: box, lower: [-2, 5], upper: [2, 7]}}\n"
+    p = particles_with(block + "".join(grains))
+    assert all(p.outward[:2, p.body == i].any() for i in (1, 2, 3, 4))
+    assert max(farthest) < 1 + FARTHEST
 
 
 def problems_of(*changes):
