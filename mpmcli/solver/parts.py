@@ -20,13 +20,13 @@ from mpmcli.solver.averaging import VolumeAveraging
 from mpmcli.solver.damping import Damping
 from mpmcli.solver.failures import Failures
 from mpmcli.solver.heat_interval import HeatInterval
-from mpmcli.solver.linear_increments import LinearIncrements
 from mpmcli.solver.plan import StepArrays
 from mpmcli.solver.stress import StressUpdate
 from mpmcli.solver.transfer import Transfer
 
-if TYPE_CHECKING:  # imported by scenes that have cracks or conduct heat
+if TYPE_CHECKING:  # imported by scenes that have cracks, conduct heat or take linear increments
     from mpmcli.cracks.cracks import Cracks
+    from mpmcli.solver.linear_increments import LinearIncrements
     from mpmcli.transport.conduction import Conduction
 
 Array = np.ndarray

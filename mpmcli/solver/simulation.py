@@ -32,7 +32,6 @@ from mpmcli.solver.damping import Damping
 from mpmcli.solver.failures import Failures
 from mpmcli.solver.grid_view import show_on_grid, view_of_grid
 from mpmcli.solver.heat_interval import make_interval
-from mpmcli.solver.linear_increments import LinearIncrements
 from mpmcli.solver.parts import Parts
 from mpmcli.solver.period import Period
 from mpmcli.solver.plan import PARALLEL_FROM, allocate_step_arrays, make_plan, make_velocity
@@ -145,7 +144,11 @@ class Simulation(Parts):
         self.averaging = None
         if plan.averages_volume:
             self.averaging = VolumeAveraging(plan.analysis, grid, particles, self.transfer, others)
-        self.increments = LinearIncrements(particles, self.parallel) if plan.linear_increments else None
+        self.increments = None
+        if plan.linear_increments:
+            from mpmcli.solver.linear_increments import LinearIncrements
+
+            self.increments = LinearIncrements(particles, self.parallel)
         self.rigid = self.loads = self.contact = self.heat = None
         if state.rigid:
             self.rigid = RigidBodies(
