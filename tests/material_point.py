@@ -60,7 +60,7 @@ class MaterialPoint:
             p.L[row] = value
         update_strain_and_stress[False](
             self.analysis, self.m, 0, p.F, p.L, p.tau, p.H, p.mass, p.vol0, p.material, p.stress_work, None, None,
-            (0.0, math.inf), self._speed2, self._bad, dt,
+            (0.0, math.inf), self._speed2, self._bad, np.zeros(2), dt,
         )  # fmt: skip
         assert self._bad[0] == -1
         self.time += dt

@@ -141,7 +141,7 @@ class Run:
             p.L[row] = value
         update_strain_and_stress[False](
             self.analysis, self.m, -1, p.F, p.L, p.tau, p.H, p.mass, p.vol0, p.material, p.stress_work,
-            self.viscous, self.thermal, (0.0, math.inf), self.speed2, self.bad, dt,
+            self.viscous, self.thermal, (0.0, math.inf), self.speed2, self.bad, np.zeros(2), dt,
         )  # fmt: skip
         assert self.bad[0] == -1
         return self

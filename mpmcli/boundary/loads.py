@@ -157,7 +157,7 @@ class Loads:
 
     def add_to(self, f: Array) -> None:
         """Add them to nodal forces (n, d)."""
-        nodes.add_nodal[self._parallel](self._grid.active, self.force, f)
+        nodes.add_nodal[self._parallel](self._grid.active, (0.0,) * f.shape[1], self.force, f)
 
     def work(self, v: Array, dt: float) -> float:
         """Return the work of the loads in this step, with the mean velocity: ``v`` (n, d) are v⁺.

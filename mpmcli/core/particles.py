@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar
 
@@ -138,7 +138,7 @@ class Particles:
 
     def arrays(self) -> dict[str, Array]:
         """Every allocated array by name (absent ones are left out)."""
-        return {f.name: getattr(self, f.name) for f in fields(self) if getattr(self, f.name) is not None}
+        return {name: array for name, array in vars(self).items() if isinstance(array, np.ndarray)}
 
     def memory(self) -> dict[str, Array]:
         """Return what a checkpoint keeps of them: all arrays."""

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcli.core.chunks import largest
 from mpmcli.core.compiled.compiler import compiled_too
 from mpmcli.core.compiled.kernel import Compiled, inline, kernel, prange
 from mpmcli.core.exponentials import SMALL_INCREMENT, exponential_1d
@@ -243,6 +244,7 @@ def update_strain_and_stress(
     limits: Any,
     speed2: Any,
     bad: Any,
+    extremes: Any,
     dt: Any,
 ) -> None:
     """Advance deformation gradient, stress and history of the particles of one material by dF = exp(L dt).
@@ -270,6 +272,8 @@ def update_strain_and_stress(
     speed2, bad
         (blocks,) overwritten: square of the fastest wave speed in each block (0 without particles of the
         material), and the first particle with stress not finite or J out of its limits, else -1.
+    extremes
+        (2,) overwritten: the largest of both.
     dt
         Time step.
     """
@@ -314,6 +318,7 @@ def update_strain_and_stress(
             worst = max(largest_L, largest_magnitude(tau, first, last))
             if worst >= NOT_FINITE or smallest_J <= 0.0 or smallest_J < limits[0] or largest_J > limits[1]:
                 bad[block] = first_bad_particle(F, L, tau, material, material_index, limits, first, last)
+    extremes[0], extremes[1] = largest(speed2), largest(bad)
 
 
 @kernel

@@ -162,7 +162,7 @@ class _Tasks:
     def find_strain_velocities(self, step: Step) -> None:
         """Tasks 1.b and 1.c, or 4.c: velocities of the momenta, and their gradients; nothing of it is a reaction."""
         s, v = self._s, self._s.arrays.v
-        nodes.find_velocities[s.parallel](s.grid.active, s.grid.mp, s.grid.f, v, None)
+        nodes.find_velocities[s.parallel](s.grid.active, s.velocity.zero, s.grid.mp, s.grid.f, v, None)
         if step.plan.imposes_lumped and s.conditions is not None:
             s.conditions.impose_on_velocity(v, counts_reactions=False)
         self._refine(step, counts_reactions=False)
@@ -209,7 +209,7 @@ class _Tasks:
         """Task 3.b: grid velocities v⁺(k), and accelerations or filtered velocities where the transfer asks."""
         s, plan, v = self._s, step.plan, self._s.arrays.v
         w: Any = None if plan.method.full_mass else s.arrays.w
-        nodes.find_velocities[s.parallel](s.grid.active, s.grid.mp, s.grid.f, v, w)
+        nodes.find_velocities[s.parallel](s.grid.active, s.velocity.zero, s.grid.mp, s.grid.f, v, w)
         self._refine(step, counts_reactions=True)
         if plan.method.projects:
             add_filtered_values(s.velocity, s.transfer, step, plan.order, s.arrays.p_start, w, s.arrays.start)
@@ -273,7 +273,7 @@ class _Tasks:
         s.failures.refuse_speed(s.transfer.largest_speed)
         if s.conditions is not None:
             state.reactions = s.conditions.reactions(step.dt)
-        if s.transfer.particle_outside() >= 0:
+        if s.transfer.lost >= 0:
             s.exits.apply()
         state.step += 1
         if "mean_order" in state.extra:

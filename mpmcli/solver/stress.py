@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.core.chunks import largest
 from mpmcli.core.compiled.bound import BoundKernels
 from mpmcli.core.compiled.runtime import available_threads
 from mpmcli.core.particles import Particles
@@ -86,6 +85,7 @@ class StressUpdate:
         blocks = block_count(self._particles.count)
         self._speed2 = np.zeros(blocks)
         self._bad = np.full(blocks, -1, dtype=np.int64)
+        self._extremes = np.zeros(2)
         self._bath = np.zeros(blocks) if self._has_bath else None
         if any(numbers is not None for numbers in self._thermals):
             self._scratch = np.zeros((min(blocks, self._threads), ROWS, BLOCK))
@@ -103,10 +103,10 @@ class StressUpdate:
             self._bath[:] = 0.0
         for i in self._used:
             self._kernels.run(update_strain_and_stress, i, id(L), partial(self._arguments, i, L), dt)
-            bad = int(largest(self._bad))
+            speed2, bad = self._extremes.tolist()
             if bad >= 0:
-                self._refuse(bad)
-            fastest = max(fastest, largest(self._speed2) * self._lightness[i])
+                self._refuse(int(bad))
+            fastest = max(fastest, speed2 * self._lightness[i])
         self.wave_speed = math.sqrt(fastest)
         if self._bath is not None:
             heat = float(self._bath.sum())
@@ -118,6 +118,7 @@ class StressUpdate:
         return (
             self._analysis, self._parameters[material], material if several else -1, p.F, L, p.tau, p.H, p.mass, p.vol0,
             p.material, p.stress_work, self._viscous(), self._thermal(material), self._limits, self._speed2, self._bad,
+            self._extremes,
         )  # fmt: skip
 
     def energy_density(self) -> Array:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.core.analysis import Analysis
-from mpmcli.core.chunks import CHUNKS, largest
+from mpmcli.core.chunks import CHUNKS
 from mpmcli.core.compiled.bound import BoundKernels, TypedCalls
 from mpmcli.core.compiled.kernel import Kernel
 from mpmcli.core.domains import turn_domains
@@ -22,7 +22,7 @@ from mpmcli.core.transfer import kernels, tasks
 from mpmcli.core.transfer.beside import ScalarSums
 from mpmcli.core.transfer.cut import Cut, Sights
 from mpmcli.core.transfer.nodal_field import NodalField
-from mpmcli.core.transfer.nodes import clear_nodes
+from mpmcli.core.transfer.nodes import clear_nodes, clear_sums
 from mpmcli.core.transfer.stencil import (
     DOMAIN_TOO_WIDE,
     OUTSIDE_GRID,
@@ -59,6 +59,7 @@ class Transfer:
     ----------
     farthest : largest displacement of a particle along an axis in the last motion [cells]
     largest_speed : largest particle speed after it [velocity]
+    lost : place in memory of a particle that left the domain in it, or −1
     sights : what cuts particles, or None
     cut : the particles that it cuts in this step, or None
     """
@@ -97,7 +98,9 @@ class Transfer:
         self.speed_squared = np.zeros(CHUNKS)
         self.travel = np.zeros(CHUNKS)
         self.farthest = self.largest_speed = 0.0
+        self.lost = -1
         self.outside = np.full(CHUNKS, -1, dtype=np.int64)
+        self._extremes = np.array([0.0, 0.0, -1.0])
         self.bounds = bounds
         self._fitted = 0  # counts what bound arguments depend on beside the particles
         self.stencil: Any = None
@@ -244,10 +247,10 @@ class Transfer:
         stretched over more nodes than it spans. ``scalar`` is a field of one component that is extrapolated at once.
         """
         while True:
-            clear_nodes[self.parallel](field.nodes.active, field.mp)
+            clear_sums[self.parallel](
+                field.nodes.active, field.zero, field.mp, field.f if with_forces else None
+            )
             too = None if scalar is None else self._begin_sums(scalar)
-            if with_forces:
-                clear_nodes[self.parallel](self.grid.active, field.f)
             task = partial(self._extrapolation, field, with_forces)
             self._scatter_field(field, ("extrapolate", with_forces), (), task, too=too)
             problem, particle = self.stencil.status.tolist()
@@ -354,8 +357,8 @@ class Transfer:
             return (
                 *self.operator(self.order.chunks), v.reshape(-1), None if w is None else w.reshape(-1),
                 None if start is None else start.reshape(-1), True if flip else None, p.V, X_new,
-                p.L if with_gradients else None, mass, self.speed_squared, self.travel, self.outside, self.bounds,
-                damped, too,
+                p.L if with_gradients else None, mass, self.speed_squared, self.travel, self.outside,
+                self._extremes, self.bounds, damped, too,
             )  # fmt: skip
 
         key = "move", flip, with_gradients, w is None, start is None, damped is None, type(too)
@@ -363,7 +366,8 @@ class Transfer:
         is_bound = damped is None and too is None
         self._run(kernels.move_particles, key, arrays, is_bound, arguments, alpha, damping, dt)
         self._moved = True
-        self.farthest, self.largest_speed = largest(self.travel), math.sqrt(largest(self.speed_squared))
+        square, self.farthest, lost = self._extremes.tolist()
+        self.largest_speed, self.lost = math.sqrt(square), int(lost)
         self.order.drift += self.farthest
 
     def add_powers(self, field: NodalField, power: Array, out: Array) -> None:
@@ -390,7 +394,3 @@ class Transfer:
         seen = np.zeros(S.shape, dtype=bool)
         find_seen[False](S, len(self.across), self.grid.dimensions, seen)
         return np.unique(nodes[seen])
-
-    def particle_outside(self) -> int:
-        """Memory place of a particle that left the domain in the last motion, or −1."""
-        return int(largest(self.outside))

@@ -282,7 +282,7 @@ def test_compiled_and_plain_python_agree_and_every_row_is_written(kind, plain_py
             for dt in (0.04, 0.3, -0.2):
                 update_strain_and_stress[False](
                     analysis, m, 0, p.F, p.L, p.tau, p.H, p.mass, p.vol0, p.material, p.stress_work, None, None,
-                    (0.0, math.inf), speed2, bad, dt,
+                    (0.0, math.inf), speed2, bad, np.zeros(2), dt,
                 )  # fmt: skip
             stored_energy[False](analysis, m, 0, p.F, p.H, p.material, None, out)
         assert bad.tolist() == [-1]

@@ -46,10 +46,10 @@ def add_full_mass_increments(
         order += 1
         scale = rule.scale(order)
         transfer.project(field, increment, field.out, -scale if counts_reactions else 0.0, first=order == 2)
-        nodes.next_increment[parallel](active, field.mp, field.out, scale, increment, field.dv)
+        nodes.next_increment[parallel](active, field.zero, field.mp, field.out, scale, increment, field.dv)
         increment = field.dv
         field.correct(step, counts_reactions)  # (1), (2)
-        nodes.add_nodal[parallel](active, field.dv, field.v)
+        nodes.add_nodal[parallel](active, field.zero, field.dv, field.v)
         if rule.dynamic is not None and has_converged(field, parallel, *rule.dynamic):  # (3)
             break
     return order

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.core.chunks import chunk_of_round
+from mpmcli.core.chunks import chunk_of_round, largest
 from mpmcli.core.compiled.compiler import compiled_as, compiled_too
 from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.compiled.kernel import kernel, prange
@@ -220,7 +220,7 @@ def move_particle(
 @kernel
 def move_particles(
     analysis, shape, grid, across, chunks, stencil, X, F, size, field, cut, v, w, start, flip, V, X_new, L, M, speed2,
-    travel, outside, bounds, damped, too, alpha, damping, dt,
+    travel, outside, extremes, bounds, damped, too, alpha, damping, dt,
 ):  # fmt: skip
     """Tasks 4 and 5: effective acceleration 𝔸 and velocity 𝕍, positions and velocities by Eq. 7 of Nairn (2026).
 
@@ -229,7 +229,8 @@ def move_particles(
     takes the place of the particles' own in 𝕍, or None. ``X_new`` may be ``X``. ``L`` (nL, N) receives the
     velocity gradient, or is None. Per chunk: ``speed2`` the largest |V|², ``travel`` the largest displacement along
     an axis in cells, ``outside`` a particle that left the domain ``bounds`` (d, 2) or −1, ``damped`` (or None) the work
-    of particle damping. ``too``, unless None, is a task of ``gather_particle`` for another field.
+    of particle damping. ``extremes`` (3,) are the largest of the first three. ``too``, unless None, is a task of
+    ``gather_particle`` for another field.
     """
     for c in prange(chunks.shape[0] - 1):
         slot = chunk_of_round(c)
@@ -267,6 +268,7 @@ def move_particles(
         speed2[slot], travel[slot], lost, outside[slot] = found
         if damped is not None:
             damped[slot] = lost
+    extremes[0], extremes[1], extremes[2] = largest(speed2), largest(travel), largest(outside)
 
 
 @kernel

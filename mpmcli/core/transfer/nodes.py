@@ -16,6 +16,18 @@ def clear_nodes(active, array):
 
 
 @kernel
+def clear_sums(active, zero, mp, f):
+    """Zero capacities and extensive values ``mp`` (n, 1 + c), and rates ``f`` (n, c) unless None; ``zero`` has c."""
+    for j in prange(active.shape[0]):
+        i = np.uint64(active[j])
+        mp[i, 0] = 0.0
+        for a in range(len(zero)):
+            mp[i, 1 + a] = 0.0
+            if f is not None:
+                f[i, a] = 0.0
+
+
+@kernel
 def update_momenta(active, chunks, mp, f, damping, dt, p_start, work):
     """Task 3: p⁺ = p + f Δt, after adding grid damping to f.
 
@@ -45,11 +57,11 @@ def update_momenta(active, chunks, mp, f, damping, dt, p_start, work):
 
 
 @kernel
-def add_nodal(active, addend, f):
-    """f += addend at active nodes, both (n, d)."""
+def add_nodal(active, zero, addend, f):
+    """f += addend at active nodes, both (n, d); ``zero`` is a tuple of d."""
     for j in prange(active.shape[0]):
         i = np.uint64(active[j])
-        for a in range(f.shape[1]):
+        for a in range(len(zero)):
             f[i, a] += addend[i, a]
 
 
@@ -63,31 +75,30 @@ def add_gravity(active, mp, gravity, f):
 
 
 @kernel
-def find_velocities(active, mp, f, v, a):
-    """Lumped velocities v⁺(1) = p⁺/m and, unless ``a`` is None, accelerations a = f/m."""
-    d = v.shape[1]
+def find_velocities(active, zero, mp, f, v, a):
+    """Lumped velocities v⁺(1) = p⁺/m and, unless ``a`` is None, accelerations a = f/m, of ``len(zero)`` components."""
     for j in prange(active.shape[0]):
         i = np.uint64(active[j])
         m = mp[i, 0]
         inverse = 1.0 / m if m > 0.0 else 0.0
-        for axis in range(d):
+        for axis in range(len(zero)):
             v[i, axis] = mp[i, 1 + axis] * inverse
             if a is not None:
                 a[i, axis] = f[i, axis] * inverse
 
 
 @kernel
-def next_increment(active, mp, out, scale, before, dv):
+def next_increment(active, zero, mp, out, scale, before, dv):
     """Δv(ℓ) = ``scale`` (Δv(ℓ−1) − S⁺S Δv(ℓ−1)) (Nairn 2026, Eq. 6 and section 3.3).
 
     ``before`` (n, d) is Δv(ℓ−1), perhaps in the memory of ``dv``; ``out`` holds m S⁺S Δv(ℓ−1) and is zeroed for the
-    next pass; ``scale`` is 1 unless orders are blended.
+    next pass; ``scale`` is 1 unless orders are blended; ``zero`` is a tuple of d.
     """
     for j in prange(active.shape[0]):
         i = np.uint64(active[j])
         m = mp[i, 0]
         inverse = 1.0 / m if m > 0.0 else 0.0
-        for a in range(dv.shape[1]):
+        for a in range(len(zero)):
             dv[i, a] = scale * (before[i, a] - out[i, a] * inverse)
             out[i, a] = 0.0
 

@@ -123,7 +123,7 @@ class Cloud:
         transfer.move_particles[self.parallel](
             *self.operator(self.order.chunks), v.reshape(-1), None if w is None else w.reshape(-1), None,
             True if flip else None, p.V, p.X, p.L if L else None, p.mass, report["speed2"], report["travel"],
-            report["outside"], bounds, damped, None, alpha, damping, dt,
+            report["outside"], np.zeros(3), bounds, damped, None, alpha, damping, dt,
         )  # fmt: skip
         return report
 

@@ -7,6 +7,7 @@ from mpmcli.core.chunks import CHUNKS, chunks_of_nodes
 from mpmcli.core.transfer import nodes
 
 ACTIVE = np.array([0, 2, 3, 6, 7], dtype=np.int64)
+ZERO = (0.0, 0.0)
 IN_CHUNKS = chunks_of_nodes(ACTIVE, 3)
 IDLE = np.setdiff1d(np.arange(9), ACTIVE)
 
@@ -29,6 +30,17 @@ def test_clearing_leaves_other_nodes_alone(values):
     nodes.clear_nodes[False](ACTIVE, mp)
     assert not mp[ACTIVE].any()
     untouched(mp, before)
+
+
+@pytest.mark.parametrize("with_rates", [False, True])
+def test_sums_begin_with_zero(values, with_rates):
+    mp, f, _ = values
+    before = mp.copy(), f.copy()
+    nodes.clear_sums[False](ACTIVE, ZERO, mp, f if with_rates else None)
+    assert not mp[ACTIVE].any()
+    assert f[ACTIVE].any() != with_rates
+    untouched(mp, before[0])
+    untouched(f, before[1])
 
 
 def test_momenta_grow_by_force_times_step(values):
@@ -56,7 +68,7 @@ def test_grid_damping_enters_the_force_and_the_books(values):
 def test_velocities_and_accelerations_of_empty_nodes_are_zero(values):
     mp, f, v = values
     a = np.ones((9, 2))
-    nodes.find_velocities[False](ACTIVE, mp, f, v, a)
+    nodes.find_velocities[False](ACTIVE, ZERO, mp, f, v, a)
     assert not v[3].any()
     assert not a[3].any()
     rows = ACTIVE[mp[ACTIVE, 0] > 0]
@@ -68,8 +80,8 @@ def test_an_increment_of_the_fmpm_loop(values):
     """Δv(ℓ) = Δv(ℓ−1) − (m S⁺S Δv)/m, added to v; work space is empty again."""
     mp, out, v = values
     dv, made, total = np.zeros((9, 2)), out.copy(), v.copy()
-    nodes.next_increment[False](ACTIVE, mp, out, 0.8, v, dv)
-    nodes.add_nodal[False](ACTIVE, dv, total)
+    nodes.next_increment[False](ACTIVE, ZERO, mp, out, 0.8, v, dv)
+    nodes.add_nodal[False](ACTIVE, ZERO, dv, total)
     inverse = np.divide(1.0, mp[:, :1], out=np.zeros((9, 1)), where=mp[:, :1] > 0)
     expected = 0.8 * (v - made * inverse)
     np.testing.assert_allclose(dv[ACTIVE], expected[ACTIVE], rtol=1e-14)
@@ -81,7 +93,7 @@ def test_gravity_and_loads_add_to_forces(values):
     mp, f, addend = values
     before = f.copy()
     nodes.add_gravity[False](ACTIVE, mp, np.array([0.5, -2.0]), f)
-    nodes.add_nodal[False](ACTIVE, addend, f)
+    nodes.add_nodal[False](ACTIVE, ZERO, addend, f)
     expected = before + mp[:, :1] * np.array([0.5, -2.0]) + addend
     np.testing.assert_allclose(f[ACTIVE], expected[ACTIVE], rtol=1e-14)
     untouched(f, before)

@@ -60,7 +60,7 @@ class Run:
             p.L[row] = value
         update_strain_and_stress[parallel](
             self.analysis, self.m, index, p.F, p.L, p.tau, p.H, p.mass, p.vol0, p.material, p.stress_work,
-            self.viscous, self.thermal, self.limits, self.speed2, self.bad, dt,
+            self.viscous, self.thermal, self.limits, self.speed2, self.bad, np.zeros(2), dt,
         )  # fmt: skip
         return p
 

@@ -57,7 +57,7 @@ class Scalar:
         """The field with its lumped values v⁺(1)."""
         s, field = self.s, self.field
         s.transfer.extrapolate(field)
-        nodes.find_velocities[s.parallel](s.grid.active, field.mp, field.f, field.v, None)
+        nodes.find_velocities[s.parallel](s.grid.active, field.zero, field.mp, field.f, field.v, None)
         return field
 
     def after_loop(self, rule):

@@ -211,7 +211,7 @@ class Plain:
 def lumped(s):
     s.transfer.begin_step()
     s.transfer.extrapolate(s.velocity, with_forces=True)
-    nodes.find_velocities[s.parallel](s.grid.active, s.grid.mp, s.grid.f, s.arrays.v, None)
+    nodes.find_velocities[s.parallel](s.grid.active, s.velocity.zero, s.grid.mp, s.grid.f, s.arrays.v, None)
 
 
 @pytest.mark.slow
