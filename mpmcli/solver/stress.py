@@ -85,7 +85,7 @@ class StressUpdate:
         blocks = block_count(self._particles.count)
         self._speed2 = np.zeros(blocks)
         self._bad = np.full(blocks, -1, dtype=np.int64)
-        self._extremes = np.zeros(2)
+        self._extremes = np.array([0.0, -1.0])
         self._bath = np.zeros(blocks) if self._has_bath else None
         if any(numbers is not None for numbers in self._thermals):
             self._scratch = np.zeros((min(blocks, self._threads), ROWS, BLOCK))
