@@ -95,12 +95,8 @@ class ContactAccount:
         alone = c.fields.alone[: c.count]
         if grid.periodic:  # of nodes that are one the first counts
             first = grid.is_first(alpha)
-            nodes, state, status, alone = (
-                nodes[grid.is_first(nodes)],
-                state[first],
-                status[first],
-                alone[first],
-            )
+            nodes, alone = nodes[grid.is_first(nodes)], alone[first]
+            state, status = state[first], status[first]
         view.nodes, view.contacts = len(nodes), len(state)
         view.all_contacts += view.contacts
         if c.count == 0:

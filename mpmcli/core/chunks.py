@@ -15,6 +15,7 @@ Array = np.ndarray
 CHUNKS = 64
 """Number of chunks; some are empty where fewer lines are in use."""
 EDGES = np.arange(CHUNKS + 1)
+"""Numbers of the chunks, and the end."""
 
 
 def chunks_of_lines(begins: Array, end: int) -> Array:
@@ -44,7 +45,7 @@ def chunk_of_round(c):
     return np.uint64(c // 4 * 9 % (CHUNKS // 4) * 4 + c % 4)
 
 
-@partial(Compiled, fastmath=False)
+@partial(Compiled, fastmath=False)  # kernels assume that nothing is NaN
 def largest(values):
     """Largest of ``values`` (k,), of chunks or blocks; NaN if one is."""
     found = values[0]

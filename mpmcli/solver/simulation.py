@@ -141,10 +141,9 @@ class Simulation(Parts):
             sides = PeriodicSides(grid)
         others = images or sides  # a scene has no more than one of them
         self.damping = Damping(plan.damping, state, others)
-        self.averaging = None
+        self.averaging = self.increments = None
         if plan.averages_volume:
             self.averaging = VolumeAveraging(plan.analysis, grid, particles, self.transfer, others)
-        self.increments = None
         if plan.linear_increments:
             from mpmcli.solver.linear_increments import LinearIncrements
 
@@ -152,13 +151,9 @@ class Simulation(Parts):
         self.rigid = self.loads = self.contact = self.heat = None
         if state.rigid:
             self.rigid = RigidBodies(
-                setup.bodies_by_clocks(scene, self.clocks),
-                state.rigid,
-                plan.fields,
-                plan.field_of_body,
-                self.order,
+                setup.bodies_by_clocks(scene, self.clocks), state.rigid, plan.fields, plan.field_of_body, self.order,
                 mirror,
-            )
+            )  # fmt: skip
             self.damping.rigid = self.rigid
         if plan.has_loads:
             self.loads = self._make_loads(scene, None if others is None else others.complete_scalars)
